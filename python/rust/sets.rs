@@ -67,10 +67,13 @@ impl Question {
     ) -> Result<[Vec<usize>; 3], LearnError> {
         let has_class = |label: &str| !label.is_empty() && (!self.numbers || number(label).is_ok());
         let pairs = labels.iter().zip(clusters).enumerate();
-        let kept: Vec<_> = pairs
+        let samples: Vec<_> = pairs
             .filter(|(_, (label, _))| has_class(label.as_str()))
             .collect();
-        let of_kept: Vec<&str> = kept.iter().map(|(_, (label, _))| label.as_str()).collect();
+        let of_kept: Vec<&str> = samples
+            .iter()
+            .map(|(_, (label, _))| label.as_str())
+            .collect();
         let classes = self.classes(&of_kept)?;
         let describe =
             |((sample, (_, cluster)), class): (&(usize, (&String, &String)), &usize)| Description {
@@ -80,13 +83,14 @@ impl Question {
                 ..Description::default()
             };
         let descriptions: Vec<Description> =
-            kept.iter().zip(&classes.labels).map(describe).collect();
+            samples.iter().zip(&classes.labels).map(describe).collect();
         let split = match by_cluster {
             true => Split::grouped(&descriptions, seed, fractions)?,
             false => Split::random(&descriptions, seed, fractions)?,
         };
-        let places =
-            |part: Vec<usize>| -> Vec<usize> { part.iter().map(|place| kept[*place].0).collect() };
+        let places = |part: Vec<usize>| -> Vec<usize> {
+            part.iter().map(|place| samples[*place].0).collect()
+        };
         Ok([
             places(split.training),
             places(split.validation),

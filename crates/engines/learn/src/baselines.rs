@@ -6,8 +6,9 @@
 
 use crate::error::refuse;
 use crate::logistic::{Logistic, Table, prior};
+use crate::ridge::Ridge;
 use crate::scores::{Scores, most_probable};
-use crate::split::Split;
+use crate::split::{Split, family_weights};
 use crate::{Description, LearnError, Result};
 
 /// Strengths of the ridge, strongest first. The validation part chooses.
@@ -109,6 +110,52 @@ pub fn baselines(
             probabilities: regression(table, labels, classes, weights, split)?,
         });
     }
+    Ok(all)
+}
+
+/// The baselines of numbers for the test part, by name: the mean of the training part (`prior`), and
+/// linear regressions on the features of [`baselines`], whose ridge the validation part chooses.
+///
+/// # Errors
+/// As for [`baselines`].
+pub fn number_baselines(
+    descriptions: &[Description],
+    numbers: &[f64],
+    split: &Split,
+) -> Result<Vec<(&'static str, Vec<f64>)>> {
+    split.check(numbers.len())?;
+    let weights = family_weights(descriptions);
+    let mut all = Vec::new();
+    for (name, features_of) in REGRESSIONS {
+        let features = table(descriptions, name, features_of)?;
+        let table = Table {
+            features: &features,
+            columns: features.len() / descriptions.len().max(1),
+        };
+        let fit = |ridge| Ridge::fit(table, &split.training, numbers, &weights, ridge);
+        let loss = |fit: &Ridge| -> f64 {
+            let predicted = fit.predicted(table, &split.validation);
+            let pairs = split.validation.iter().zip(predicted);
+            pairs
+                .map(|(sample, x)| weights[*sample] * (x - numbers[*sample]).powi(2))
+                .sum()
+        };
+        // As for classes: of equal losses the strongest ridge stays.
+        let mut best = fit(RIDGES[0])?;
+        for ridge in &RIDGES[1..] {
+            let other = fit(*ridge)?;
+            if loss(&other) < loss(&best) {
+                best = other;
+            }
+        }
+        all.push((name, best.predicted(table, &split.test)));
+    }
+    let (mut sum, mut total) = (0.0, 0.0);
+    for sample in &split.training {
+        sum += weights[*sample] * numbers[*sample];
+        total += weights[*sample];
+    }
+    all.push(("prior", vec![sum / total; split.test.len()]));
     Ok(all)
 }
 

@@ -3,11 +3,12 @@
 
 use crate::Result;
 use crate::advantage::{Advantage, PairedLosses};
-use crate::baselines::{Baseline, baselines};
+use crate::baselines::{Baseline, baselines, number_baselines};
 use crate::bootstrap::{Interval, LEVEL, RESAMPLINGS, bootstrap};
 use crate::error::refuse;
+use crate::normal::PredictedNumber;
 use crate::number_classes::NumberClasses;
-use crate::number_scores::{NumberIntervals, NumberScores, TrueNumbers};
+use crate::number_scores::{NumberIntervals, NumberScores, SpreadScores, TrueNumbers};
 use crate::permutation::{PermutationTest, permutation_test};
 use crate::predictions::TestPredictions;
 use crate::scores::{Scores, losses_nats};
@@ -59,6 +60,8 @@ pub struct NumberEvaluation {
     pub intervals: NumberIntervals,
     /// Comparison with the best baseline.
     pub advantage: Advantage,
+    /// Honesty of the predicted spreads, if there are any.
+    pub spread: Option<SpreadScores>,
 }
 
 impl TestPredictions<'_> {
@@ -128,7 +131,9 @@ impl TestPredictions<'_> {
     }
 
     /// The predictions as numbers, where the classes are those of a number: the scores, and those of the
-    /// baselines of an evaluation. `numbers` holds the true number of every sample.
+    /// baselines of an evaluation. `numbers` holds the true number of every sample. `direct` holds the
+    /// predicted number of every sample of the test part, from a network that predicts numbers; its
+    /// baselines are linear regressions of the numbers.
     ///
     /// # Errors
     /// As for [`NumberScores::of`] and [`TrueNumbers::intervals`].
@@ -137,6 +142,7 @@ impl TestPredictions<'_> {
         evaluation: &Evaluation,
         numbers: &[f64],
         classes: &NumberClasses,
+        direct: Option<&[PredictedNumber]>,
         seed: u64,
     ) -> Result<NumberEvaluation> {
         let of_test = self.of_test(numbers)?;
@@ -149,11 +155,23 @@ impl TestPredictions<'_> {
             // The prior is the same for every sample.
             training_mean: means.first().copied().unwrap_or_default(),
         };
-        let predicted = classes.predicted(self.probabilities);
+        let predicted = match direct {
+            Some(direct) => direct.iter().map(|one| one.mean).collect(),
+            None => classes.predicted(self.probabilities),
+        };
+        let linear = match direct {
+            Some(_) => Some(number_baselines(self.descriptions, numbers, self.split)?),
+            None => None,
+        };
         let mut baselines = Vec::new();
         let mut best: Option<(&str, Vec<f64>, f64)> = None;
         for (baseline, _) in &evaluation.baselines {
-            let predicted = classes.predicted(&baseline.probabilities);
+            let of_linear = linear.iter().flatten();
+            let mut of_linear = of_linear
+                .filter(|(name, _)| *name == baseline.name)
+                .map(|(_, predicted)| predicted.clone());
+            let from_classes = || classes.predicted(&baseline.probabilities);
+            let predicted = of_linear.next().unwrap_or_else(from_classes);
             let scores = NumberScores::of(&predicted, &truth)?;
             let is_better = best.as_ref().is_none_or(|best| scores.rms_error < best.2);
             // The majority names one class, which is no prediction of a number.
@@ -177,7 +195,8 @@ impl TestPredictions<'_> {
             advantage: Advantage::of(name, paired, evaluation.permutation.exchanges, seed)?,
             scores: NumberScores::of(&predicted, &truth)?,
             baselines,
-            intervals: truth.intervals(&predicted, &self.clusters(), seed)?,
+            intervals: truth.intervals(&predicted, &clusters, seed)?,
+            spread: direct.map(|direct| SpreadScores::of(direct, &truth)),
         })
     }
 

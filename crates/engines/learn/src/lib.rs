@@ -19,12 +19,13 @@
 //! | [`block`] | convolution, normalisation, ReLU and pooling as one |
 //! | [`network`] | blocks, global pooling, a linear layer |
 //! | [`loss`] | cross entropy |
+//! | [`normal`] | a number with its spread, and the loss of both |
 //! | [`optimiser`] | Adam |
 //! | [`device`] | where networks are computed |
 //! | [`training`] | the loop, its checkpoints, and trained models |
 //! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
 //! | [`number_scores`] | how near predicted numbers come to the true ones |
-//! | [`baselines`], [`logistic`] | what is predicted without a network |
+//! | [`baselines`], [`logistic`], [`ridge`] | what is predicted without a network |
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
 //! | [`advantage`] | whether the network is better than the best baseline |
 //! | [`predictions`], [`evaluation`] | all of this for the test part |
@@ -51,6 +52,7 @@ pub mod halving;
 pub mod logistic;
 pub mod loss;
 pub mod network;
+pub mod normal;
 pub mod novelty;
 pub mod number_classes;
 pub mod number_scores;
@@ -59,6 +61,7 @@ pub mod operations;
 pub mod optimiser;
 pub mod permutation;
 pub mod predictions;
+pub mod ridge;
 pub mod sample;
 pub mod scaling;
 pub mod scores;

@@ -14,6 +14,7 @@
 use crate::Result;
 use crate::bootstrap::{Interval, LEVEL, RESAMPLINGS, bootstrap};
 use crate::error::refuse;
+use crate::normal::PredictedNumber;
 use serde::{Deserialize, Serialize};
 
 /// Scores of predicted numbers. Errors have the unit of the numbers.
@@ -63,6 +64,38 @@ pub struct NumberIntervals {
     pub variance_explained: Interval,
     /// Interval of the rank correlation.
     pub rank_correlation: Interval,
+}
+
+/// Honesty of predicted spreads: how often the truth lies within them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpreadScores {
+    /// Mean predicted spread, in the unit of the numbers.
+    pub mean_spread: f64,
+    /// Share of the numbers within one spread of the prediction; 0.68 is honest.
+    pub within_one: f64,
+    /// Share of the numbers within two spreads; 0.95 is honest.
+    pub within_two: f64,
+}
+
+impl SpreadScores {
+    /// Scores of predictions with spreads.
+    pub fn of(predicted: &[PredictedNumber], truth: &TrueNumbers) -> Self {
+        let total: f64 = truth.weights.iter().sum();
+        let mean = |value: &dyn Fn(&PredictedNumber, f64) -> f64| {
+            let samples = predicted.iter().zip(truth.numbers).zip(truth.weights);
+            let terms = samples.map(|((one, number), weight)| weight * value(one, *number));
+            terms.sum::<f64>() / total
+        };
+        let within = |most: f64| {
+            mean(&|one, number| f64::from(u8::from((number - one.mean).abs() <= most * one.spread)))
+        };
+        Self {
+            mean_spread: mean(&|one, _| one.spread),
+            within_one: within(1.0),
+            within_two: within(2.0),
+        }
+    }
 }
 
 impl NumberScores {

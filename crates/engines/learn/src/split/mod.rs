@@ -10,7 +10,7 @@ pub use ranks::{Ranks, ranks};
 
 use crate::error::refuse;
 use crate::{Description, LearnError, Result};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -155,6 +155,53 @@ impl Split {
             validation,
             test,
         })
+    }
+
+    /// The samples of a share of the clusters of the training part, ascending. Of one seed, a larger share
+    /// contains a smaller one.
+    ///
+    /// ```
+    /// use protomer_learn::Description;
+    /// use protomer_learn::split::Split;
+    ///
+    /// let of = |number: usize| Description { cluster: format!("{}", number / 2), ..Description::default() };
+    /// let samples: Vec<_> = (0..40).map(of).collect();
+    /// let split = Split { training: (0..40).collect(), ..Split::default() };
+    /// let (half, quarter) = (split.share_of_training(&samples, 0.5, 1)?, split.share_of_training(&samples, 0.25, 1)?);
+    /// assert_eq!((half.len(), quarter.len()), (20, 10));
+    /// assert!(quarter.iter().all(|sample| half.contains(sample)));
+    /// assert!(split.share_of_training(&samples, 0.0, 1).is_err());
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LearnError::Settings`] for a share that is not above 0 and at most 1, or that leaves no cluster.
+    pub fn share_of_training(
+        &self,
+        descriptions: &[Description],
+        share: f64,
+        seed: u64,
+    ) -> Result<Vec<usize>> {
+        let mut clusters: Vec<&str> = Vec::new();
+        for sample in &self.training {
+            clusters.push(&descriptions[*sample].cluster);
+        }
+        clusters.sort_unstable();
+        clusters.dedup();
+        let count = (share * clusters.len() as f64).round();
+        if !(share > 0.0 && share <= 1.0) || count < 1.0 {
+            return refuse(format!(
+                "a share of {share} of the {} clusters of the training part: give more than 0, at most 1, \
+                 and enough for one cluster",
+                clusters.len()
+            ));
+        }
+        let mut random = CounterRng::for_purpose(seed, 1, 0, Purpose::Split);
+        shuffle(&mut clusters, &mut random);
+        let clusters_used: BTreeSet<&str> = clusters.into_iter().take(count as usize).collect();
+        let is_kept =
+            |sample: &&usize| clusters_used.contains(descriptions[**sample].cluster.as_str());
+        Ok(self.training.iter().filter(is_kept).copied().collect())
     }
 
     /// Checks that every index exists and none stands in two parts.

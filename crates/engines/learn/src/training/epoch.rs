@@ -5,6 +5,7 @@ use super::state::State;
 use super::{EpochRecord, Observer, Parts, StepReport, Training};
 use crate::augmentation::CubeRotation;
 use crate::loss::adjust_logits;
+use crate::normal::{NormalHead, normal_loss};
 use crate::split::shuffle;
 use crate::{Adam, LearnError, Network, Result, cross_entropy};
 use candle_core::Tensor;
@@ -28,6 +29,7 @@ pub(super) fn run(
         weights: &parts.weights,
         mean_weight: mean_weight(parts),
         log_prior: card.log_prior.iter().map(|value| *value as f32).collect(),
+        normal: card.normal,
         epoch,
         steps: batches.len(),
         network: &state.network,
@@ -93,6 +95,7 @@ struct Pass<'a> {
     weights: &'a [f64],
     mean_weight: f64,
     log_prior: Vec<f32>,
+    normal: Option<NormalHead>,
     epoch: usize,
     steps: usize,
     network: &'a Network,
@@ -123,8 +126,18 @@ impl Pass<'_> {
         }
         let weight: f64 = items.iter().map(|item| self.weights[item.sample]).sum();
         let logits = self.network.forward(batch)?;
-        let logits = adjust_logits(&logits, &self.log_prior, settings.logit_adjustment)?;
-        let loss = cross_entropy(&logits, &labels, &weights)?;
+        let loss = match (&self.training.numbers, &self.normal) {
+            (Some(numbers), Some(head)) => {
+                let target =
+                    |item: &Item| head.standardised(numbers.of_samples[item.sample]) as f32;
+                let targets: Vec<f32> = items.iter().map(target).collect();
+                normal_loss(&logits, &targets, &weights)?
+            }
+            _ => {
+                let logits = adjust_logits(&logits, &self.log_prior, settings.logit_adjustment)?;
+                cross_entropy(&logits, &labels, &weights)?
+            }
+        };
         let loss_nats = f64::from(loss.to_scalar::<f32>()?);
         // `cross_entropy` is a mean over the batch's weights. Times this, all steps of an
         // epoch together weigh each sample as its weight says, also in a short last batch.

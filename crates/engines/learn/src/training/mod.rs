@@ -25,10 +25,12 @@ mod settings;
 mod state;
 
 pub use model::{Model, ModelCard, PredictionSettings, Predictions};
-pub use settings::{EpochRecord, Outcome, TrainingSettings};
+pub use settings::{EpochRecord, Loss, Outcome, TrainingSettings};
 pub use state::epochs_done;
 
 use crate::error::refuse;
+use crate::normal::OUTPUTS;
+use crate::number_classes::NumberClasses;
 use crate::scaling::Quarantined;
 use crate::scores::Scores;
 use crate::split::{Split, family_weights};
@@ -59,6 +61,7 @@ use std::ops::ControlFlow;
 ///     split: &split,
 ///     network: &control.network(experiment, Form::Short),
 ///     settings: &TrainingSettings { epochs: 1, ..TrainingSettings::default() },
+///     numbers: None,
 ///     start_from: None,
 ///     device: Device::Cpu,
 /// };
@@ -79,10 +82,21 @@ pub struct Training<'a> {
     pub network: &'a NetworkSettings,
     /// Settings of the training.
     pub settings: &'a TrainingSettings,
+    /// The numbers of the samples, for the loss of numbers.
+    pub numbers: Option<NumberTargets<'a>>,
     /// The network whose weights the training starts from; fresh weights if there is none.
     pub start_from: Option<&'a Model>,
     /// Device on which to compute.
     pub device: Device,
+}
+
+/// Numbers that a network predicts with their spread.
+#[derive(Debug, Clone, Copy)]
+pub struct NumberTargets<'a> {
+    /// The number of each sample.
+    pub of_samples: &'a [f64],
+    /// The classes that the numbers are cut into, for scores of classes.
+    pub classes: &'a NumberClasses,
 }
 
 /// A trained network and how it came about.
@@ -180,6 +194,7 @@ pub fn train(
         split,
         network,
         settings,
+        numbers: None,
         start_from: None,
         device: Device::Cpu,
     };
@@ -262,14 +277,49 @@ impl Training<'_> {
             batch: self.settings.batch,
             ..PredictionSettings::default()
         };
-        let probabilities = model.probabilities(self.source, &parts.validation, how)?;
+        let outputs = model.outputs(self.source, &parts.validation, how)?;
+        let probabilities = outputs.probabilities;
         let (mut labels, mut weights) = (Vec::new(), Vec::new());
         for sample in &parts.validation {
             labels.push(self.classes.labels[*sample]);
             weights.push(parts.weights[*sample]);
         }
         let classes = self.classes.names.len();
-        Scores::of(&probabilities, &labels, classes, Some(&weights))
+        let mut scores = Scores::of(&probabilities, &labels, classes, Some(&weights))?;
+        if let (Some(numbers), Some(head)) = (&self.numbers, &state.progress.card.normal) {
+            let pairs = parts.validation.iter().zip(&outputs.numbers).zip(&weights);
+            let losses = pairs.map(|((sample, predicted), weight)| {
+                weight * predicted.loss_nats(numbers.of_samples[*sample], head)
+            });
+            scores.log_loss_nats = losses.sum::<f64>() / weights.iter().sum::<f64>();
+        }
+        Ok(scores)
+    }
+
+    /// Refuses a network to start from that sees something else, or consists of other blocks.
+    fn require_start(&self, model: &Model) -> Result<()> {
+        let theirs = &model.card;
+        let has_same_blocks = theirs.network.blocks == self.network.blocks
+            && theirs.network.pooling == self.network.pooling;
+        if !has_same_blocks {
+            return refuse(
+                "the weights are those of a network of other blocks or another pooling; omit the flags of \
+                 the network",
+            );
+        }
+        let all = self.source.channels();
+        let places = self.settings.channel_places(self.source)?;
+        let channels: Vec<String> = places.iter().map(|place| all[*place].clone()).collect();
+        if theirs.channels != channels || theirs.scaling.channels != all {
+            return refuse(format!(
+                "the weights are those of a network that sees {} of a set with {}; here it is {} of {}",
+                theirs.channels.join(", "),
+                theirs.scaling.channels.join(", "),
+                channels.join(", "),
+                all.join(", ")
+            ));
+        }
+        Ok(())
     }
 
     /// Checks that settings, classes, split, network and source fit together. [`Training::run`]
@@ -298,11 +348,21 @@ impl Training<'_> {
             classes: told_apart,
             ..
         } = *self.network;
-        if seen != channels || told_apart != names {
+        let outputs = match (self.settings.loss, &self.numbers) {
+            (Loss::CrossEntropy, _) => names,
+            (Loss::Normal, Some(numbers)) if numbers.of_samples.len() == samples => OUTPUTS,
+            (Loss::Normal, _) => {
+                return refuse("the loss 'normal' needs a number for each sample");
+            }
+        };
+        if seen != channels || told_apart != outputs {
             return refuse(format!(
-                "the network is for {seen} channels and {told_apart} classes, the data have \
-                 {channels} channels and {names} classes"
+                "the network is for {seen} channels and has {told_apart} outputs, the data have \
+                 {channels} channels and need {outputs} outputs"
             ));
+        }
+        if let Some(model) = self.start_from {
+            self.require_start(model)?;
         }
         let (size, smallest) = (self.source.size(), self.network.smallest_edge());
         if size < smallest {

@@ -5,10 +5,11 @@ use super::loader::{Item, Loader};
 use crate::augmentation::CubeRotation;
 use crate::calibration::{at_temperature, softmax, temperature};
 use crate::error::refuse;
+use crate::normal::{NormalHead, OUTPUTS, PredictedNumber, spread_temperature};
 use crate::number_classes::NumberClasses;
 use crate::scaling::{ChannelScaling, Quarantined, screen};
 use crate::{LearnError, Network, NetworkSettings, Result, SampleSource};
-use candle_core::{Device, Tensor};
+use candle_core::Device;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -64,11 +65,14 @@ pub struct ModelCard {
     /// The classes as parts of the range of a number, if it is a number that is predicted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub number_classes: Option<NumberClasses>,
+    /// Meaning of the outputs, if they are a number and its spread instead of classes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<NormalHead>,
     /// Natural logarithm of the share of each class in the training part.
     pub log_prior: Vec<f64>,
     /// The strength τ of the logit adjustment it was trained with.
     pub logit_adjustment: f64,
-    /// Temperature of its probabilities, 1 if never calibrated.
+    /// Temperature of its probabilities, 1 if never calibrated; of a number, the factor on its spread.
     pub temperature: f64,
     /// The settings that the voxels it was trained on were made with, where they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -110,6 +114,14 @@ impl PredictionSettings {
     }
 }
 
+/// Probabilities of classes, and numbers if the network predicts them.
+pub(super) struct Outputs {
+    /// Probabilities, sample after sample.
+    pub probabilities: Vec<f64>,
+    /// A number for each sample, or none.
+    pub numbers: Vec<PredictedNumber>,
+}
+
 /// Probabilities of classes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Predictions {
@@ -117,6 +129,8 @@ pub struct Predictions {
     pub samples: Vec<usize>,
     /// Probabilities, sample after sample, one number per class.
     pub probabilities: Vec<f64>,
+    /// Number and spread of each sample, if the network predicts them; otherwise empty.
+    pub numbers: Vec<PredictedNumber>,
     /// Samples that could not be read.
     pub quarantined: Vec<Quarantined>,
 }
@@ -134,21 +148,22 @@ impl Model {
         how: PredictionSettings,
     ) -> Result<Predictions> {
         let (samples, quarantined) = screen(source, samples);
-        let probabilities = self.probabilities(source, &samples, how)?;
+        let outputs = self.outputs(source, &samples, how)?;
         Ok(Predictions {
             samples,
-            probabilities,
+            probabilities: outputs.probabilities,
+            numbers: outputs.numbers,
             quarantined,
         })
     }
 
-    /// The probabilities of samples known to be good.
-    pub(super) fn probabilities(
+    /// Probabilities and numbers of samples known to be good.
+    pub(super) fn outputs(
         &self,
         source: &dyn SampleSource,
         samples: &[usize],
         how: PredictionSettings,
-    ) -> Result<Vec<f64>> {
+    ) -> Result<Outputs> {
         let mut items = Vec::with_capacity(samples.len() * how.turns());
         // All orientations of a sample stand one after another, over the borders of batches.
         for sample in samples {
@@ -165,12 +180,22 @@ impl Model {
             device: self.network.device(),
         };
         let mut averages = Averages::new(samples.len(), self.card.classes.len(), how.turns());
+        let mut of_grids = Vec::new();
         loader.each(&batches, |_, batch| {
-            for grid in self.predict_batch(&batch, how)? {
-                averages.add(&grid);
+            let logits: Vec<Vec<f32>> = self.network.predict(&batch)?.to_vec2()?;
+            for row in logits {
+                match (self.number(&row), &self.card.number_classes) {
+                    (Some(number), Some(classes)) => {
+                        of_grids.push(number);
+                        averages.add(&number.probabilities(classes));
+                    }
+                    _ => averages.add(&self.probabilities_of(&row, how)),
+                }
             }
             Ok(ControlFlow::Continue(()))
         })?;
+        let numbers = of_grids.chunks(how.turns()).map(PredictedNumber::mixed);
+        let numbers = numbers.collect();
         let probabilities = averages.sums;
         // A diverged network gives NaN; a class must not be named on such numbers.
         if probabilities.iter().any(|p| !p.is_finite()) {
@@ -178,19 +203,32 @@ impl Model {
                 "the network gives probabilities that are not finite".into(),
             ));
         }
-        if self.card.temperature == 1.0 {
-            return Ok(probabilities);
-        }
-        let classes = self.card.classes.len();
-        Ok(at_temperature(
-            &probabilities,
-            classes,
-            self.card.temperature,
-        ))
+        // The spread of a number has been multiplied by it already.
+        let probabilities = match self.card.normal.is_some() || self.card.temperature == 1.0 {
+            true => probabilities,
+            false => at_temperature(
+                &probabilities,
+                self.card.classes.len(),
+                self.card.temperature,
+            ),
+        };
+        Ok(Outputs {
+            probabilities,
+            numbers,
+        })
     }
 
-    /// The probabilities of each grid of a batch.
-    fn predict_batch(&self, batch: &Tensor, how: PredictionSettings) -> Result<Vec<Vec<f64>>> {
+    /// The number that the outputs for one grid predict, if the network predicts numbers.
+    fn number(&self, outputs: &[f32]) -> Option<PredictedNumber> {
+        let head = self.card.normal.as_ref()?;
+        let [mean, width] = outputs else {
+            return None;
+        };
+        Some(head.predicted([*mean, *width], self.card.temperature))
+    }
+
+    /// The probabilities of one grid.
+    fn probabilities_of(&self, logits: &[f32], how: PredictionSettings) -> Vec<f64> {
         // The network learnt logits z with z + τ ln prior as the true odds. Left off, the
         // classes count as equally common; put back, they have the shares of the training part.
         let strength = if how.balanced {
@@ -198,17 +236,41 @@ impl Model {
         } else {
             self.card.logit_adjustment
         };
-        let logits: Vec<Vec<f32>> = self.network.predict(batch)?.to_vec2()?;
-        let mut probabilities = Vec::with_capacity(logits.len());
-        for row in logits {
-            let mut p = Vec::with_capacity(row.len());
-            for (logit, log_prior) in row.iter().zip(&self.card.log_prior) {
-                p.push(f64::from(*logit) + strength * log_prior);
-            }
-            softmax(&mut p);
-            probabilities.push(p);
+        let mut p = Vec::with_capacity(logits.len());
+        for (logit, log_prior) in logits.iter().zip(&self.card.log_prior) {
+            p.push(f64::from(*logit) + strength * log_prior);
         }
-        Ok(probabilities)
+        softmax(&mut p);
+        p
+    }
+
+    /// Sets the factor on spreads to the best one for samples with these numbers, and returns it: the
+    /// counterpart of [`Model::calibrate`] for a network that predicts numbers.
+    ///
+    /// `numbers` and `weights` hold one for every sample of the source.
+    ///
+    /// # Errors
+    /// As for [`Model::predict`].
+    pub fn calibrate_spread(
+        &mut self,
+        source: &dyn SampleSource,
+        samples: &[usize],
+        numbers: &[f64],
+        weights: &[f64],
+        how: PredictionSettings,
+    ) -> Result<f64> {
+        self.card.temperature = 1.0;
+        let predictions = self.predict(source, samples, how)?;
+        let (truth, weights) = (
+            pick(numbers, &predictions.samples)?,
+            pick(weights, &predictions.samples)?,
+        );
+        let distances = predictions.numbers.iter().zip(truth).zip(weights);
+        self.card.temperature =
+            spread_temperature(distances.map(|((predicted, number), weight)| {
+                ((number - predicted.mean) / predicted.spread, weight)
+            }));
+        Ok(self.card.temperature)
     }
 
     /// Sets the temperature to the best one for samples with these labels, usually the validation
@@ -284,12 +346,15 @@ impl Model {
         let (tensors, card): (_, ModelCard) = unpack(bytes, "model", &Device::Cpu)?;
         let network = Network::new(&card.network, 0, &Device::Cpu)?;
         let (classes, channels) = (card.network.classes, card.network.channels);
-        let agree = card.classes.len() == classes
-            && card.log_prior.len() == classes
-            && card
-                .number_classes
-                .as_ref()
-                .is_none_or(|numbers| numbers.count() == classes && numbers.means.len() == classes)
+        let told_apart = card.classes.len();
+        let has_classes = |numbers: &NumberClasses| {
+            numbers.count() == told_apart && numbers.means.len() == told_apart
+        };
+        let agree = match card.normal {
+            Some(_) => classes == OUTPUTS && card.number_classes.is_some(),
+            None => classes == told_apart,
+        } && card.log_prior.len() == told_apart
+            && card.number_classes.as_ref().is_none_or(has_classes)
             && card.channels.len() == channels
             && card.scaling.transforms.len() == card.scaling.channels.len()
             && tensors.len() == network.parameters().len();

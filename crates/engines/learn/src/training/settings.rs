@@ -5,6 +5,22 @@ use crate::scaling::ScalingMode;
 use crate::{Result, SampleSource};
 use serde::{Deserialize, Serialize};
 
+protomer_kernel::choices! {
+    /// Quantity that a training minimises.
+    pub enum Loss, default CrossEntropy {
+        /// The cross entropy of classes; numbers are cut into classes.
+        CrossEntropy = "cross-entropy",
+        /// The negative logarithm of a normal density: a number by its mean and its spread.
+        Normal = "normal",
+    }
+}
+
+/// For serde: whether a loss is left out.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_default(loss: &Loss) -> bool {
+    *loss == Loss::default()
+}
+
 /// Settings of a training.
 ///
 /// ```
@@ -41,6 +57,9 @@ pub struct TrainingSettings {
     /// the class), so for τ = 1 the plain logits treat all classes as equally common. Predictions
     /// add the shares again unless asked not to.
     pub logit_adjustment: f64,
+    /// Loss that is minimised.
+    #[serde(skip_serializing_if = "is_default")]
+    pub loss: Loss,
     /// Names of the channels the network sees, in order; empty: all.
     pub channels: Vec<String>,
     /// Scaling of the channels.
@@ -61,6 +80,7 @@ impl Default for TrainingSettings {
             patience: Some(10),
             augment: true,
             logit_adjustment: 0.0,
+            loss: Loss::CrossEntropy,
             channels: Vec::new(),
             scaling: ScalingMode::Robust,
             seed: 0,

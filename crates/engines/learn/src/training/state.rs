@@ -1,10 +1,11 @@
 //! Everything that changes during a training: its start, its checkpoints, its end.
 
 use super::container::{pack, unpack};
-use super::settings::TrainingSettings;
+use super::settings::{Loss, TrainingSettings};
 use super::{EpochRecord, Model, ModelCard, Outcome, Trained, Training};
 use crate::error::refuse;
 use crate::logistic::prior;
+use crate::normal::NormalHead;
 use crate::scaling::{ChannelScaling, Quarantined, screen};
 use crate::{Adam, AdamSettings, Network, Result};
 use candle_core::{Device, Tensor};
@@ -59,7 +60,7 @@ impl State {
             Some(model) => adopt(model, &network, &mut card)?,
             None => false,
         };
-        if !has_head {
+        if !has_head && card.normal.is_none() {
             let mut bias = Vec::with_capacity(card.log_prior.len());
             for log_prior in &card.log_prior {
                 bias.push(((1.0 - training.settings.logit_adjustment) * log_prior) as f32);
@@ -297,13 +298,23 @@ fn card(training: &Training, usable: &[usize], weights: &[f64]) -> Result<ModelC
         channels.push(source.channels()[place].clone());
     }
     let shares = prior(usable, &classes.labels, Some(weights), classes.names.len());
+    let numbers = training.numbers.filter(|_| settings.loss == Loss::Normal);
+    let normal = match numbers {
+        Some(numbers) => {
+            let weighted = usable.iter();
+            let weighted = weighted.map(|sample| (numbers.of_samples[*sample], weights[*sample]));
+            Some(NormalHead::of(&weighted.collect::<Vec<_>>())?)
+        }
+        None => None,
+    };
     Ok(ModelCard {
+        normal,
         network: training.network.clone(),
         size: source.size(),
         channels,
         scaling: ChannelScaling::fit(source, usable, settings.scaling)?,
         classes: classes.names.clone(),
-        number_classes: None,
+        number_classes: numbers.map(|numbers| numbers.classes.clone()),
         log_prior: shares.into_iter().map(f64::ln).collect(),
         logit_adjustment: settings.logit_adjustment,
         temperature: 1.0,
@@ -314,24 +325,10 @@ fn card(training: &Training, usable: &[usize], weights: &[f64]) -> Result<ModelC
 /// Takes over the scaling of a trained network, the weights of its blocks, and those of its head if it
 /// tells the same classes apart. Returns whether it does.
 fn adopt(model: &Model, network: &Network, card: &mut ModelCard) -> Result<bool> {
-    let (theirs, ours) = (&model.card, network.settings());
-    if theirs.network.blocks != ours.blocks || theirs.network.pooling != ours.pooling {
-        return refuse(
-            "the weights are those of a network of other blocks or another pooling; omit the flags of \
-             the network",
-        );
-    }
-    if theirs.channels != card.channels || theirs.scaling.channels != card.scaling.channels {
-        return refuse(format!(
-            "the weights are those of a network that sees {} of a set with {}; here it is {} of {}",
-            theirs.channels.join(", "),
-            theirs.scaling.channels.join(", "),
-            card.channels.join(", "),
-            card.scaling.channels.join(", ")
-        ));
-    }
+    let theirs = &model.card;
     card.scaling = theirs.scaling.clone();
-    let has_head = theirs.classes == card.classes;
+    // The outputs of a number mean what its head says.
+    let has_head = theirs.classes == card.classes && theirs.normal == card.normal;
     for (name, weights) in model.network.parameters() {
         if has_head || !name.starts_with("head.") {
             network.set_parameter(name, &weights.as_detached_tensor())?;

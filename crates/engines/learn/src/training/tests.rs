@@ -110,6 +110,7 @@ fn run(
         split: &split,
         network: &network,
         settings,
+        numbers: None,
         start_from: None,
         device: Device::Cpu,
     };

@@ -46,7 +46,14 @@ impl Place {
     }
 
     fn train(&self, words: &str) {
-        let flags = "--least-samples 8 --widths 4 --groups 0 --epochs 3 --permutations 20 --fractions 0.5,0.2,0.3 -q";
+        let flags =
+            "--least-samples 8 --widths 4 --groups 0 --permutations 20 --fractions 0.5,0.2,0.3 -q";
+        let epochs = if words.contains("--epochs") {
+            ""
+        } else {
+            "--epochs 3"
+        };
+        let flags = format!("{flags} {epochs}");
         is_ok(&self.run(&format!("train set.zarr {flags} {words}")));
     }
 
@@ -712,4 +719,152 @@ fn labels_come_from_a_table() {
             "{said}"
         );
     }
+}
+
+/// A finished training goes on for more epochs, and ends as one that had them from the start.
+#[test]
+fn more_epochs_by_the_same_command_end_as_if_asked_for_at_once() {
+    let place = Place::new();
+    place.train("--epochs 2 -o short");
+    let after_two = json(&place.path("short/metrics.json"));
+    assert_eq!(after_two["epochs"], 2);
+    place.train("--epochs 5 -o short");
+    place.train("--epochs 5 -o long");
+    for file in [
+        "model.safetensors",
+        "metrics.json",
+        "history.csv",
+        "predictions.csv",
+    ] {
+        let read = |run: &str| std::fs::read(place.path(run).join(file)).unwrap();
+        assert!(read("short") == read("long"), "{file}");
+    }
+    let flags = "--least-samples 8 --widths 4 --groups 0 --permutations 20 --fractions 0.5,0.2,0.3";
+    let fewer = place.run(&format!("train set.zarr {flags} --epochs 3 -o short"));
+    let said = String::from_utf8_lossy(&fewer.stderr).into_owned();
+    assert!(
+        !fewer.status.success() && said.contains("training of 5 epochs"),
+        "{said}"
+    );
+    let other = place.run(&format!(
+        "train set.zarr {flags} --epochs 9 --seed 4 -o short"
+    ));
+    assert!(!other.status.success(), "another seed is another training");
+}
+
+/// Fine-tuning starts where another training ended, and says what that one has seen.
+#[test]
+fn weights_of_another_training_are_a_start() {
+    let place = Place::new();
+    place.train("--epochs 6 --learning-rate 0.01 -o first");
+    place.write_set("other.zarr", 60, 9, &settings());
+    let flags = "--least-samples 4 --epochs 1 --permutations 20 --fractions 0.5,0.2,0.3 -q";
+    let tuned = place.run(&format!(
+        "train other.zarr {flags} --weights-from first --learning-rate 1e-9 -o tuned"
+    ));
+    is_ok(&tuned);
+    let fresh = place.run(&format!(
+        "train other.zarr {flags} --widths 4 --groups 0 --learning-rate 1e-9 -o fresh"
+    ));
+    is_ok(&fresh);
+    let loss = |run: &str| json(&place.path(run).join("metrics.json"))["log_loss_nats"].as_f64();
+    // A step too small to change anything: what is scored are the weights of the first training.
+    assert!(
+        loss("tuned").unwrap() < loss("fresh").unwrap() - 0.05,
+        "{:?} {:?}",
+        loss("tuned"),
+        loss("fresh")
+    );
+    let settings = std::fs::read_to_string(place.path("tuned/settings.toml")).unwrap();
+    assert!(settings.contains("[weights_from]"), "{settings}");
+    let seen = json(&place.path("tuned/trained_on.json"));
+    let count = |run: &str, part: &str| {
+        json(&place.path(run).join("trained_on.json"))[part]
+            .as_array()
+            .unwrap()
+            .len()
+    };
+    let earlier = count("first", "training") + count("first", "validation");
+    assert_eq!(seen["earlier"].as_array().unwrap().len(), earlier);
+    // On its own set the test part of another split was in the first training.
+    let again = place.run("train set.zarr --least-samples 8 --epochs 1 --permutations 20 --fractions 0.5,0.2,0.3 --split-seed 5 --weights-from first -o again");
+    is_ok(&again);
+    let said = String::from_utf8_lossy(&again.stderr).into_owned();
+    assert!(said.contains("weights come from"), "{said}");
+    for (words, expected) in [
+        ("--weights-from nowhere", "nowhere"),
+        ("--weights-from first --widths 8", "other blocks"),
+        ("--weights-from first --channels shape", "sees"),
+        ("--weights-from first --ablate", "omit one"),
+    ] {
+        let refused = place.run(&format!("train set.zarr {words} -o refused"));
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(
+            !refused.status.success() && said.contains(expected),
+            "{said}"
+        );
+    }
+}
+
+/// A number with its spread: in the tables, in the scores, and again in `predict`.
+#[test]
+fn a_number_is_learnt_with_its_spread() {
+    let place = Place {
+        folder: tempfile::tempdir().unwrap(),
+    };
+    place.write_numbers("set.zarr", 120, 1);
+    place.train(
+        "--target number --loss normal --epochs 30 --learning-rate 0.01 --patience 0 -o run",
+    );
+    let metrics = json(&place.path("run/metrics.json"));
+    let numbers = &metrics["numbers"];
+    let explained = numbers["scores"]["variance_explained"].as_f64().unwrap();
+    assert!(explained > 0.3, "{explained}");
+    // The regression that knows the charge is exact.
+    let known = numbers["baselines"]["size_and_charge"]["variance_explained"]
+        .as_f64()
+        .unwrap();
+    assert!(known > 0.999, "{known}");
+    assert!(
+        metrics["verdict"]
+            .as_str()
+            .unwrap()
+            .starts_with("size and charge alone does better")
+    );
+    let spread = &numbers["spread"];
+    let within = spread["within_two"].as_f64().unwrap();
+    assert!(within > 0.7 && spread["within_one"].as_f64().unwrap() <= within);
+    let table = std::fs::read_to_string(place.path("run/predictions.csv")).unwrap();
+    assert!(
+        table.starts_with("name,cluster,label,predicted,number,predicted_number,predicted_spread,")
+    );
+    let report = place.predict("run set.zarr");
+    let found = report["scores"]["numbers"]["rms_error"].as_f64().unwrap();
+    assert!((found - numbers["scores"]["rms_error"].as_f64().unwrap()).abs() < 1e-9);
+    assert!(report["samples"][0]["predicted_spread"].as_f64().unwrap() > 0.0);
+    is_ok(&place.run("report run -q"));
+    let page = std::fs::read_to_string(place.path("run/report.html")).unwrap();
+    assert!(page.contains("predicted spread") && page.contains("Verdict: "));
+    let refused = place.run("train set.zarr --loss normal --least-samples 1 -o refused");
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        !refused.status.success() && said.contains("--target number"),
+        "{said}"
+    );
+}
+
+/// A share of the training part leaves the other parts as they are.
+#[test]
+fn a_share_of_the_training_part_is_trained_on() {
+    let place = Place::new();
+    place.train("--epochs 1 -o whole");
+    place.train("--epochs 1 --training-share 0.5 -o half");
+    let parts = |run: &str| json(&place.path(run).join("metrics.json"))["samples"].clone();
+    let (whole, half) = (parts("whole"), parts("half"));
+    assert_eq!(
+        (&whole["validation"], &whole["test"]),
+        (&half["validation"], &half["test"])
+    );
+    let training = |parts: &Value| parts["training"].as_u64().unwrap();
+    assert!(training(&half) < training(&whole));
 }

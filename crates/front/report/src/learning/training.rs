@@ -5,6 +5,7 @@ use crate::page::{Page, Section};
 use crate::{data, figures, provenance};
 use anyhow::Result;
 use protomer_common::page::{Verdict, significant_or_dash};
+use protomer_kernel::setting::Choices;
 use protomer_learn::bootstrap::Interval;
 use protomer_learn::number_scores::NumberScores;
 use protomer_learn_verbs::learning::train::{
@@ -229,12 +230,24 @@ fn table_of_numbers(numbers: &NumberMetrics) -> String {
         format!("95 %: {} to {}", ends[0], ends[1])
     };
     let intervals = &numbers.bootstrap_95;
-    table(&head, &rows)
-        + &definitions(&[
-            ("rms error", range(&intervals.rms_error)),
-            ("variance explained", range(&intervals.variance_explained)),
-            ("rank correlation", range(&intervals.rank_correlation)),
-        ])
+    let mut defined = vec![
+        ("rms error", range(&intervals.rms_error)),
+        ("variance explained", range(&intervals.variance_explained)),
+        ("rank correlation", range(&intervals.rank_correlation)),
+    ];
+    if let Some(spread) = &numbers.spread {
+        let rounded = |value: f64| significant(value, 3);
+        defined.push((
+            "predicted spread",
+            format!(
+                "{} on average; {} of the numbers within it (0.683 if honest), {} within twice (0.954)",
+                rounded(spread.mean_spread),
+                rounded(spread.within_one),
+                rounded(spread.within_two)
+            ),
+        ));
+    }
+    table(&head, &rows) + &definitions(&defined)
 }
 
 /// The confusion matrix. Rows are true classes, columns predicted ones; the shade is the share of
@@ -341,6 +354,7 @@ pub fn describe(settings: &TrainSettings) -> Vec<(&'static str, String)> {
         ("samples", source),
         ("labels", labels),
         ("target", format!("{:?}", settings.target).to_lowercase()),
+        ("loss", settings.training.loss.name().to_owned()),
         ("channels", settings.training.channels.join(", ")),
         (
             "split by",

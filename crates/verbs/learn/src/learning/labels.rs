@@ -53,7 +53,7 @@ impl LabelSource {
 /// A table of labels by name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelTable {
-    /// Where the labels come from.
+    /// File and column of the labels.
     pub source: LabelSource,
     file: String,
     /// Label and line of each name.
@@ -275,7 +275,7 @@ pub(super) fn write(set: &dyn SampleSource, directory: &Path) -> Result<()> {
     )?)
 }
 
-/// How lines are split into cells.
+/// Separation of lines into cells.
 struct Cells<'a> {
     file: &'a str,
     by_tabs: bool,

@@ -16,6 +16,7 @@ use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
 use protomer_learn::split::Fractions;
 use protomer_learn::targets::Target;
+use protomer_learn::training::Loss;
 use protomer_learn::{BlockSettings, Device, View};
 use protomer_learn_verbs::learning::labels::excluded_names;
 use protomer_learn_verbs::learning::train::{
@@ -39,6 +40,10 @@ pub struct TaskArgs {
     /// Ordered classes that the numbers of --target number are cut into [default: 5].
     #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     number_classes: Option<usize>,
+    /// Loss; 'normal' predicts a number with its spread and needs --target number
+    /// [default: cross-entropy].
+    #[arg(long, value_parser = choice::<Loss>())]
+    loss: Option<Loss>,
     /// Input channels of the network, separated by commas [default: all].
     #[arg(long, value_delimiter = ',')]
     channels: Option<Vec<String>>,
@@ -51,6 +56,10 @@ pub struct TaskArgs {
     /// Shares of training, validation and test [default: 0.7,0.15,0.15].
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     fractions: Option<Vec<f64>>,
+    /// Share of the clusters of the training part to train on, for a learning curve; validation and test
+    /// part stay the same [default: 1].
+    #[arg(long, allow_negative_numbers = true)]
+    training_share: Option<f64>,
     /// Scaling of the channels [default: robust].
     #[arg(long, value_enum)]
     scaling: Option<Scaling>,
@@ -93,11 +102,13 @@ impl TaskArgs {
         if settings.number_classes.is_some() && settings.target != Target::Number {
             bail!("--number-classes cuts numbers into classes; add --target number, or omit it");
         }
+        override_with(&mut settings.training.loss, self.loss);
         if let Some(channels) = &self.channels {
             settings.training.channels.clone_from(channels);
         }
         override_with(&mut settings.split_by, self.split_by);
         settings.split_seed = self.split_seed.or(settings.split_seed);
+        settings.training_share = self.training_share.or(settings.training_share);
         if let Some(shares) = &self.fractions {
             let [training, validation, test] = shares[..] else {
                 bail!(

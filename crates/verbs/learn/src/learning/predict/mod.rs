@@ -68,14 +68,16 @@ pub fn predict(
     trained.model = trained.model.to_device(device)?;
     let (source, set) = open_set(set_path)?;
     let differences = fit::differences(&trained.model.card, &set, set_path)?;
-    let own = trained.settings.labels.as_ref();
+    let table_of_training = trained.settings.labels.as_ref();
     // The table of the training itself brings nothing new.
-    let is_own = |table: &&LabelTable| own.is_some_and(|own| own.is_same(&table.source));
+    let is_own = |table: &&LabelTable| {
+        table_of_training.is_some_and(|table_of_training| table_of_training.is_same(&table.source))
+    };
     let labels = labels.filter(|table| !is_own(table));
     let table = match (labels, &trained.labels) {
         (Some(table), _) => Some(table.join(&set, &excluded_names(&set)?)?),
-        (None, Some(own)) if is_same(&trained.settings.source, &source) => {
-            Some(own.relabelled(&set))
+        (None, Some(table_of_training)) if is_same(&trained.settings.source, &source) => {
+            Some(table_of_training.relabelled(&set))
         }
         (None, _) => None,
     };
@@ -136,10 +138,12 @@ fn in_chunks(
         let Predictions {
             samples,
             probabilities,
+            numbers,
             quarantined,
         } = model.predict(set, chunk, how)?;
         all.samples.extend(samples);
         all.probabilities.extend(probabilities);
+        all.numbers.extend(numbers);
         all.quarantined.extend(quarantined);
         execution.progress.advance(chunk.len() as u64);
     }

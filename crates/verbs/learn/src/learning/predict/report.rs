@@ -39,6 +39,9 @@ pub struct SamplePrediction {
     /// The number that is predicted, if the network predicts one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_number: Option<f64>,
+    /// Spread of the predicted number, if the network predicts one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted_spread: Option<f64>,
     /// The probability of each class.
     pub probabilities: Vec<f64>,
 }
@@ -129,7 +132,8 @@ impl PredictReport {
         let class = |number: usize| card.classes.get(number).cloned().unwrap_or_default();
         let mut samples = Vec::with_capacity(predictions.samples.len());
         let probabilities = predictions.probabilities.chunks(card.classes.len().max(1));
-        for (sample, p) in predictions.samples.iter().zip(probabilities) {
+        for (place, (sample, p)) in predictions.samples.iter().zip(probabilities).enumerate() {
+            let direct = predictions.numbers.get(place);
             let Some(description) = set.samples.descriptions().get(*sample) else {
                 bail!("there is no sample {sample}");
             };
@@ -141,10 +145,12 @@ impl PredictReport {
                 part: truth.parts.get(*sample).copied().flatten(),
                 unscored: truth.unscored.get(*sample).copied().flatten(),
                 predicted: class(most_probable(p)),
-                predicted_number: card
-                    .number_classes
-                    .as_ref()
-                    .and_then(|classes| classes.predicted(p).pop()),
+                predicted_number: match (direct, &card.number_classes) {
+                    (Some(number), _) => Some(number.mean),
+                    (None, Some(classes)) => classes.predicted(p).pop(),
+                    (None, None) => None,
+                },
+                predicted_spread: direct.map(|number| number.spread),
                 probabilities: p.to_vec(),
             });
         }
@@ -175,6 +181,9 @@ impl PredictReport {
         let has_number = |sample: &SamplePrediction| sample.predicted_number.is_some();
         let has_numbers = self.samples.iter().any(has_number);
         heading.extend(has_numbers.then(|| "predicted_number".to_owned()));
+        let has_spread = |sample: &SamplePrediction| sample.predicted_spread.is_some();
+        let has_spreads = self.samples.iter().any(has_spread);
+        heading.extend(has_spreads.then(|| "predicted_spread".to_owned()));
         for class in &self.classes {
             heading.push(format!("p_{class}"));
         }
@@ -189,6 +198,7 @@ impl PredictReport {
                 Cell::from(sample.predicted.as_str()),
             ];
             cells.extend(sample.predicted_number.map(Cell::from));
+            cells.extend(sample.predicted_spread.map(Cell::from));
             for probability in &sample.probabilities {
                 cells.push(Cell::from(*probability));
             }
@@ -285,14 +295,15 @@ fn scores(
     }
     let all_weights = family_weights(&descriptions);
     let (mut probabilities, mut labels, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-    let mut numbers = Vec::new();
+    let (mut numbers, mut direct) = (Vec::new(), Vec::new());
     let of_samples = predictions.probabilities.chunks(count.max(1));
-    for (sample, p) in predictions.samples.iter().zip(of_samples) {
+    for (place_of_row, (sample, p)) in predictions.samples.iter().zip(of_samples).enumerate() {
         if let Some(class) = truth.classes[*sample]
             && let Ok(place) = labelled.binary_search(sample)
             && truth.may_be_scored(*sample)
         {
             probabilities.extend_from_slice(p);
+            direct.extend(predictions.numbers.get(place_of_row).map(|one| one.mean));
             labels.push(class);
             weights.push(all_weights[place]);
             numbers.extend(number(&set.descriptions()[*sample].label));
@@ -310,10 +321,11 @@ fn scores(
                 weights: &weights,
                 training_mean: classes.predicted(&prior).iter().sum(),
             };
-            Some(NumberScores::of(
-                &classes.predicted(&probabilities),
-                &truth,
-            )?)
+            let predicted = match direct.is_empty() {
+                true => classes.predicted(&probabilities),
+                false => direct,
+            };
+            Some(NumberScores::of(&predicted, &truth)?)
         }
         None => None,
     };

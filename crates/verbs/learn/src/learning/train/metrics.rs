@@ -8,8 +8,9 @@ use protomer_io::csv::{Cell, Table};
 use protomer_learn::ablation::{Ablation, AblationRun};
 use protomer_learn::advantage::Advantage;
 use protomer_learn::evaluation::{Evaluation, Intervals, NumberEvaluation};
+use protomer_learn::normal::PredictedNumber;
 use protomer_learn::number_classes::NumberClasses;
-use protomer_learn::number_scores::{NumberIntervals, NumberScores};
+use protomer_learn::number_scores::{NumberIntervals, NumberScores, SpreadScores};
 use protomer_learn::predictions::TestPredictions;
 use protomer_learn::sample::Description;
 use protomer_learn::scaling::Quarantined;
@@ -165,6 +166,9 @@ pub struct NumberMetrics {
     /// Comparison with the best baseline, in shares of the variance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub advantage: Option<Advantage>,
+    /// Honesty of the predicted spreads, with the loss `normal`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<SpreadScores>,
 }
 
 impl NumberMetrics {
@@ -222,6 +226,8 @@ pub struct Predictions<'a> {
     pub split: &'a Split,
     /// Probabilities of the test part, in its order, samples x classes.
     pub probabilities: &'a [f64],
+    /// Number and spread of each sample of the test part, if the network predicts them.
+    pub predicted_numbers: &'a [PredictedNumber],
     /// Temperature of these probabilities.
     pub temperature: f64,
     /// Samples left out.
@@ -337,10 +343,12 @@ impl Predictions<'_> {
             baselines,
             intervals,
             advantage,
+            spread,
         } = predictions.evaluate_numbers(
             evaluation,
             &numbers.of_samples,
             &numbers.classes,
+            (!self.predicted_numbers.is_empty()).then_some(self.predicted_numbers),
             self.seed,
         )?;
         let baselines = baselines.into_iter();
@@ -352,7 +360,16 @@ impl Predictions<'_> {
                 .collect(),
             bootstrap_95: intervals,
             advantage: Some(advantage),
+            spread,
         })
+    }
+
+    /// The predicted numbers of the test part.
+    pub(super) fn numbers_of_test(&self, numbers: &Numbers) -> Vec<f64> {
+        if self.predicted_numbers.is_empty() {
+            return numbers.classes.predicted(self.probabilities);
+        }
+        self.predicted_numbers.iter().map(|one| one.mean).collect()
     }
 
     /// Writes `predictions.csv`: one row per sample of the test part.
@@ -366,15 +383,15 @@ impl Predictions<'_> {
         if self.numbers.is_some() {
             heading.extend(["number", "predicted_number"].map(str::to_owned));
         }
+        if !self.predicted_numbers.is_empty() {
+            heading.push("predicted_spread".to_owned());
+        }
         heading.extend(self.classes.iter().map(|class| format!("p_{class}")));
+        let predicted = self.numbers.map(|numbers| self.numbers_of_test(numbers));
         let mut table = Table::new(heading);
         let name = |class: usize| self.classes.get(class).map_or("", String::as_str);
-        for (sample, p) in self
-            .split
-            .test
-            .iter()
-            .zip(self.probabilities.chunks(self.classes.len().max(1)))
-        {
+        let rows = self.probabilities.chunks(self.classes.len().max(1));
+        for (place, (sample, p)) in self.split.test.iter().zip(rows).enumerate() {
             let (Some(description), Some(label)) =
                 (self.descriptions.get(*sample), self.labels.get(*sample))
             else {
@@ -387,14 +404,12 @@ impl Predictions<'_> {
                 name(*label).into(),
                 best,
             ];
-            if let Some(Numbers {
-                of_samples,
-                classes,
-            }) = self.numbers
-            {
-                cells.push(of_samples[*sample].into());
-                cells.extend(classes.predicted(p).into_iter().map(Cell::from));
+            if let (Some(numbers), Some(predicted)) = (self.numbers, &predicted) {
+                cells.push(numbers.of_samples[*sample].into());
+                cells.extend(predicted.get(place).map(|number| Cell::from(*number)));
             }
+            let number = self.predicted_numbers.get(place);
+            cells.extend(number.map(|number| Cell::from(number.spread)));
             cells.extend(p.iter().map(|p| Cell::from(*p)));
             table.push(cells)?;
         }

@@ -131,8 +131,12 @@ impl<'a> Prepared<'a> {
             quarantined.extend(bad);
             good
         };
+        let training = match settings.training_share {
+            Some(share) => split.share_of_training(&descriptions, share, seed)?,
+            None => split.training.clone(),
+        };
         let split = Split {
-            training: part(&split.training),
+            training: part(&training),
             validation: part(&split.validation),
             test: part(&split.test),
         };

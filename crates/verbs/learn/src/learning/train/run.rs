@@ -14,12 +14,13 @@ use protomer_io::csv::{Cell, Table};
 use protomer_learn::Device;
 use protomer_learn::logistic::prior;
 use protomer_learn::network::NetworkSettings;
+use protomer_learn::normal::NormalHead;
 use protomer_learn::sample::SampleSource;
 use protomer_learn::scores::Scores;
 use protomer_learn::split::{Split, family_weights};
 use protomer_learn::training::{
-    EpochRecord, Model, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
-    TrainingSettings, epochs_done,
+    EpochRecord, Loss, Model, NumberTargets, Observer, Outcome, PredictionSettings, StepReport,
+    Trained, Training, TrainingSettings, epochs_done,
 };
 use protomer_results::{
     CHECKPOINT, Checkpoint, End, Execution, Layout, Record, ResultKind, ResultsDirectory, Run,
@@ -73,6 +74,9 @@ pub fn check(settings: &TrainSettings, prepared: &Prepared) -> Result<()> {
     ] {
         range::OBJECTS.require(key, value as u64)?;
     }
+    if settings.training.loss == Loss::Normal && prepared.numbers.is_none() {
+        bail!("--loss normal predicts a number with its spread; add --target number, or omit it");
+    }
     if settings.training.epochs == 0 {
         bail!("epochs is 0; give 1 or more");
     }
@@ -99,6 +103,10 @@ fn training<'a>(
         split,
         network,
         settings,
+        numbers: prepared.numbers.as_ref().map(|numbers| NumberTargets {
+            of_samples: &numbers.of_samples,
+            classes: &numbers.classes,
+        }),
         start_from,
         device,
     }
@@ -373,6 +381,8 @@ pub(super) fn train_holding(
     let prepared = Prepared::new(settings, set)?;
     check(settings, &prepared)?;
     let run = TrainingRun::new(settings, &prepared, device.clone())?;
+    // Again, with the network to start from: nothing is written if it does not fit.
+    run.engine().check()?;
     let held = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
     if settings.labels.is_some() && !path.join(LABELS).exists() {
         // The labels stay with the training: the table may be lost, and predict scores by them.
@@ -434,13 +444,19 @@ fn write_results(
     };
     let weights = family_weights(descriptions);
     // On the validation part: neither fitted to nor scored on.
-    let temperature = model.calibrate(
-        view,
-        &split.validation,
-        &classes.labels,
-        Some(&weights),
-        how,
-    )?;
+    let temperature = match (numbers, settings.training.loss) {
+        (Some(numbers), Loss::Normal) => {
+            let numbers = &numbers.of_samples;
+            model.calibrate_spread(view, &split.validation, numbers, &weights, how)?
+        }
+        _ => model.calibrate(
+            view,
+            &split.validation,
+            &classes.labels,
+            Some(&weights),
+            how,
+        )?,
+    };
     model.card.number_classes = numbers.as_ref().map(|numbers| numbers.classes.clone());
     let predicted = model.predict(view, &split.test, how)?;
     let predictions = Predictions {
@@ -451,6 +467,7 @@ fn write_results(
         channels: &settings.training.channels,
         split,
         probabilities: &predicted.probabilities,
+        predicted_numbers: &predicted.numbers,
         temperature,
         quarantined: &prepared.quarantined,
         other_labels: &prepared.other_labels,
@@ -463,10 +480,12 @@ fn write_results(
     };
     let mut metrics = predictions.metrics()?;
     metrics.seen_before = earlier.map_or(0, |earlier| {
-        let seen = earlier.seen();
+        let structures = earlier.seen();
         let is_familiar = |sample: &&usize| {
             let cluster = &descriptions[**sample].cluster;
-            seen.familiar(view.file_sha256(**sample), cluster).is_some()
+            structures
+                .familiar(view.file_sha256(**sample), cluster)
+                .is_some()
         };
         split.test.iter().filter(is_familiar).count()
     });
@@ -480,7 +499,8 @@ fn write_results(
         write_curve(settings, prepared, &history, best_epoch, path)?;
     }
     if let Some(numbers) = numbers {
-        write_numbers(settings, numbers, split, &predicted.probabilities, path)?;
+        let of_test = predictions.numbers_of_test(numbers);
+        write_numbers(settings, numbers, split, of_test, path)?;
     }
     note_samples(settings, prepared, earlier, path)?;
     metrics.write(path)?;
@@ -492,11 +512,10 @@ fn write_numbers(
     settings: &TrainSettings,
     numbers: &Numbers,
     split: &Split,
-    probabilities: &[f64],
+    predicted: Vec<f64>,
     path: &Path,
 ) -> Result<()> {
     let of_samples = split.test.iter().map(|sample| numbers.of_samples[*sample]);
-    let predicted = numbers.classes.predicted(probabilities);
     let pairs: Vec<(f64, f64)> = of_samples.zip(predicted).collect();
     let title = format!("Numbers from {}", settings.training.channels.join(", "));
     let caption = format!(
@@ -539,9 +558,29 @@ fn write_curve(
         split.validation.len(),
         settings.training.seed
     );
-    learning_curve(&title, &caption, history, prior.log_loss_nats, count)
-        .write_svg(&path.join(CURVE))?;
+    let prior = match (settings.training.loss, &prepared.numbers) {
+        (Loss::Normal, Some(numbers)) => normal_prior(numbers, split, &weights)?,
+        _ => prior.log_loss_nats,
+    };
+    learning_curve(&title, &caption, history, prior, count).write_svg(&path.join(CURVE))?;
     Ok(())
+}
+
+/// Loss of the validation part for mean and spread of the training part, nats.
+fn normal_prior(numbers: &Numbers, split: &Split, weights: &[f64]) -> Result<f64> {
+    let weighted = |part: &[usize]| -> Vec<(f64, f64)> {
+        let pairs = part.iter();
+        pairs
+            .map(|sample| (numbers.of_samples[*sample], weights[*sample]))
+            .collect()
+    };
+    let head = NormalHead::of(&weighted(&split.training))?;
+    let prior = head.predicted([0.0; 2], 1.0);
+    let of_validation = weighted(&split.validation);
+    let total: f64 = of_validation.iter().map(|(_, weight)| weight).sum();
+    let losses = of_validation.iter();
+    let losses = losses.map(|(number, weight)| weight * prior.loss_nats(*number, &head));
+    Ok(losses.sum::<f64>() / total)
 }
 
 /// The table of `history.csv`: one row per epoch.

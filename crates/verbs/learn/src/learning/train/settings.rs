@@ -6,9 +6,10 @@ use anyhow::Result;
 use protomer_learn::block::BlockSettings;
 use protomer_learn::controls::{Control, Experiment, Form, Plan, Variant};
 use protomer_learn::network::{GlobalPooling, NetworkSettings};
+use protomer_learn::normal::OUTPUTS;
 use protomer_learn::split::Fractions;
 use protomer_learn::targets::Target;
-use protomer_learn::training::TrainingSettings;
+use protomer_learn::training::{Loss, TrainingSettings};
 use protomer_results::{Settings, keys};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -116,6 +117,9 @@ pub struct TrainSettings {
     /// split of the search: another split could test samples on which they were chosen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub split_seed: Option<u64>,
+    /// Share of the clusters of the training part to train on, for a learning curve; all for `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub training_share: Option<f64>,
     /// Exchanges of labels in the permutation test.
     pub permutations: usize,
     /// Whether predictions are averaged over the 24 rotations of the cube.
@@ -186,9 +190,13 @@ impl TrainSettings {
     /// The network for a number of classes.
     pub fn network(&self, classes: usize) -> NetworkSettings {
         let blocks = self.blocks.clone();
+        let outputs = match self.training.loss {
+            Loss::CrossEntropy => classes,
+            Loss::Normal => OUTPUTS,
+        };
         NetworkSettings {
             channels: self.training.channels.len(),
-            classes,
+            classes: outputs,
             blocks,
             pooling: self.pooling,
         }
@@ -205,6 +213,7 @@ impl TrainSettings {
             number_classes: None,
             split_by: SplitBy::Cluster,
             split_seed: None,
+            training_share: None,
             permutations: 1000,
             rotations: false,
             pooling: GlobalPooling::AverageAndMaximum,
@@ -240,6 +249,7 @@ impl TrainSettings {
                 SplitBy::Sample
             },
             split_seed: None,
+            training_share: None,
             permutations: 1000,
             rotations: false,
             pooling: network.pooling,

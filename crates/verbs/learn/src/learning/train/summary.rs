@@ -100,6 +100,15 @@ fn numbers(metrics: &NumberMetrics) -> String {
         variance_explained,
         rank_correlation,
     } = &metrics.bootstrap_95;
+    let spread = metrics.spread.map(|spread| {
+        format!(
+            "\npredicted spread {} on average; {:.3} of the numbers within it (0.683 if honest), {:.3} \
+             within twice (0.954)",
+            error(spread.mean_spread),
+            spread.within_one,
+            spread.within_two
+        )
+    });
     format!(
         "{}\n\n95 % over clusters: rms error {} to {}, variance explained {}, rank correlation {}",
         columns(&rows),
@@ -107,7 +116,7 @@ fn numbers(metrics: &NumberMetrics) -> String {
         error(rms_error.high),
         range(variance_explained),
         range(rank_correlation)
-    )
+    ) + spread.as_deref().unwrap_or_default()
 }
 
 /// Decimals that show three digits of an error.

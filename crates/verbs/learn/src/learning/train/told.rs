@@ -123,14 +123,17 @@ impl Metrics {
                  both train and test it"
             )
         });
-        let seen = (self.seen_before > 0).then(|| {
+        let seen_sentence = (self.seen_before > 0).then(|| {
             format!(
                 "{} of {} samples of the test part, or relatives of theirs, were in the training that the \
                  weights come from, so these scores are too good; predict scores new ones only",
                 self.seen_before, self.samples.test
             )
         });
-        confined.chain(self.joined_labels()).chain(seen).collect()
+        confined
+            .chain(self.joined_labels())
+            .chain(seen_sentence)
+            .collect()
     }
 
     /// Calibration error, Brier score and temperature.

@@ -103,10 +103,10 @@ impl TrainSettings {
 impl TrainedOn {
     /// The structures in the form in which they are compared.
     pub(crate) fn seen(&self) -> Seen {
-        let mut seen = Seen::default();
+        let mut structures = Seen::default();
         for sample in self.samples() {
-            seen.add(&sample.sha256, &sample.cluster);
+            structures.add(&sample.sha256, &sample.cluster);
         }
-        seen
+        structures
     }
 }
