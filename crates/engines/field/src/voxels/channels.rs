@@ -38,10 +38,25 @@ pub enum Channel {
     /// The edge of the voxels, Å, in every occupied voxel: the size of a structure that was scaled to
     /// the grid.
     Spacing,
+    /// [`Shape`](Channel::Shape) of the second body of an interface.
+    #[serde(rename = "partner_shape")]
+    PartnerShape,
+    /// [`Potential`](Channel::Potential) of the second body of an interface.
+    #[serde(rename = "partner_potential")]
+    PartnerPotential,
+    /// [`Hydropathy`](Channel::Hydropathy) of the second body of an interface.
+    #[serde(rename = "partner_hydropathy")]
+    PartnerHydropathy,
 }
 
 impl Channel {
-    /// All channels.
+    /// Channels of the second body of an interface.
+    pub const OF_PARTNER: [Channel; 3] = [
+        Channel::PartnerShape,
+        Channel::PartnerPotential,
+        Channel::PartnerHydropathy,
+    ];
+    /// Channels of a body alone.
     pub const ALL: [Channel; 5] = [
         Channel::Shape,
         Channel::Solid,
@@ -58,6 +73,9 @@ impl Channel {
             Channel::Potential => "potential",
             Channel::Hydropathy => "hydropathy",
             Channel::Spacing => "spacing",
+            Channel::PartnerShape => "partner_shape",
+            Channel::PartnerPotential => "partner_potential",
+            Channel::PartnerHydropathy => "partner_hydropathy",
         }
     }
 }
@@ -242,17 +260,24 @@ pub fn voxelise_within(
                 scatter(&index, &shell, &indices)
             }
             Channel::Spacing => vec![lattice.spacing_angstrom() as f32; index.len()],
+            Channel::PartnerShape | Channel::PartnerPotential | Channel::PartnerHydropathy => {
+                let reason = format!(
+                    "the channel {} is that of a partner, and this body has none",
+                    channel.name()
+                );
+                return Err(FieldError::BadInput(reason));
+            }
         };
         values.push(of_channel);
     }
     Ok(Voxels { index, values })
 }
 
-fn spheres_of(atoms: &[VoxelAtom]) -> Vec<ChargedSphere> {
+pub(super) fn spheres_of(atoms: &[VoxelAtom]) -> Vec<ChargedSphere> {
     atoms.iter().map(|atom| atom.sphere).collect()
 }
 
-fn check_settings(settings: &VoxelSettings) -> Result<()> {
+pub(super) fn check_settings(settings: &VoxelSettings) -> Result<()> {
     if settings.channels.is_empty() {
         let reason = "there are no channels; give at least one";
         return Err(FieldError::BadInput(reason.into()));
@@ -307,7 +332,7 @@ fn potentials(
 }
 
 /// Two ascending lists merged into one without duplicates.
-fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
+pub(super) fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     let mut all = [a, b].concat();
     all.sort_unstable();
     all.dedup();
@@ -316,7 +341,7 @@ fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
 
 /// The values of some voxels among all, zero for the others. Both lists ascend, and `some` is part
 /// of `all`.
-fn scatter(all: &[u32], some: &[u32], values: &[f64]) -> Vec<f32> {
+pub(super) fn scatter(all: &[u32], some: &[u32], values: &[f64]) -> Vec<f32> {
     let mut remaining = some.iter().zip(values).peekable();
     let mut spread = vec![0.0; all.len()];
     for (voxel, target) in all.iter().zip(&mut spread) {

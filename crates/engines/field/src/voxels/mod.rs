@@ -12,10 +12,12 @@
 //! | [`shell`] | which voxels the surface passes through |
 //! | [`hydropathy`] | Kyte-Doolittle indices, averaged around a place |
 //! | `outer` | the potential on the surface, continued from the solvent |
+//! | [`interface`] | two bodies in one box about their interface |
 //! | [`channels`] | all of it: atoms in, sparse values out |
 
 pub mod channels;
 pub mod hydropathy;
+pub mod interface;
 pub mod lattice;
 pub mod orientation;
 mod outer;

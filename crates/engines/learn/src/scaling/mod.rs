@@ -85,6 +85,9 @@ pub struct ChannelScaling {
     pub transforms: Vec<Transform>,
 }
 
+/// Beginning of the names of the channels of the second body of an interface.
+pub(super) const PARTNER: &str = "partner_";
+
 impl ChannelScaling {
     /// Fits a scaling to the training samples. Samples that cannot be read are passed over;
     /// [`screen`] lists them.
@@ -99,7 +102,7 @@ impl ChannelScaling {
         let channels = source.channels().to_vec();
         let mut transforms = Vec::with_capacity(channels.len());
         for (channel, name) in channels.iter().enumerate() {
-            transforms.push(match (mode, name.as_str()) {
+            transforms.push(match (mode, name.strip_prefix(PARTNER).unwrap_or(name)) {
                 (ScalingMode::BoxStandardised, _) => Transform::BoxStandardised,
                 (ScalingMode::Robust, "potential") => Transform::Arcsinh {
                     scale: robust_scale(occupied(source, training, channel)?),
@@ -301,6 +304,11 @@ mod tests {
             where_defined(&names(&["shape", "potential"]), &[&shape, &potential], 1),
             potential
         );
+        // In an interface each body has a shell of its own.
+        let pair = names(&["shape", "potential", "partner_shape", "partner_potential"]);
+        let values: [&[f32]; 4] = [&shape, &potential, &solid, &potential];
+        assert_eq!(where_defined(&pair, &values, 1), [0.0, -2.0]);
+        assert_eq!(where_defined(&pair, &values, 3), [-2.0, 0.0]);
     }
 
     #[test]

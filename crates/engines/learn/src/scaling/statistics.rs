@@ -1,5 +1,6 @@
 //! What is typical for the values of a channel.
 
+use super::PARTNER;
 use super::screening::read_checked;
 use crate::error::refuse;
 use crate::{Result, SampleSource};
@@ -47,7 +48,8 @@ fn of_sample(
 /// The values of a channel in the occupied voxels where it is defined.
 ///
 /// With the channel `solid`, voxels inside are occupied as well, and channels of the surface are 0
-/// there. The voxels that `shape` marks are then left or, without `shape`, those that are not 0.
+/// there; in an interface, voxels of the other body are occupied too. The voxels that the `shape` of the
+/// body marks are then left or, without `shape`, those that are not 0.
 ///
 /// ```
 /// use protomer_learn::scaling::where_defined;
@@ -57,9 +59,16 @@ fn of_sample(
 /// ```
 pub fn where_defined(channels: &[String], values: &[&[f32]], channel: usize) -> Vec<f32> {
     let place = |name: &str| channels.iter().position(|channel| channel == name);
-    let (solid, shape) = (place("solid"), place("shape"));
+    let is_of_partner = |name: &String| name.starts_with(PARTNER);
+    let shape = match channels.get(channel).is_some_and(is_of_partner) {
+        true => place(&format!("{PARTNER}shape")),
+        false => place("shape"),
+    };
+    let solid = place("solid");
     let channel_values = values.get(channel).copied().unwrap_or_default();
-    let everywhere = solid.is_none() || solid == Some(channel) || shape == Some(channel);
+    // Without `solid` and a partner, all occupied voxels are of the one shell.
+    let is_one_shell = solid.is_none() && !channels.iter().any(is_of_partner);
+    let everywhere = is_one_shell || solid == Some(channel) || shape == Some(channel);
     if everywhere {
         return channel_values.to_vec();
     }

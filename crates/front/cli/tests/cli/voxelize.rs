@@ -1036,3 +1036,144 @@ fn bodies_of_a_run_that_was_continued_are_made_once_and_told_in_order() {
     ];
     assert_eq!(store.finished.into_inner().unwrap(), expected);
 }
+
+/// Poses of two bodies: each is a sample, cropped to its contact, and the pose itself is in its identity.
+#[test]
+fn poses_of_two_bodies_become_samples() {
+    let place = Place::new();
+    let poses = [
+        ("touching", "0,0,6.5,1,0,0,0"),
+        ("again", "0,0,6.5,1,0,0,0"),
+        ("turned", "0,0,6.5,0,1,0,0"),
+        ("apart", "0,0,90,1,0,0,0"),
+    ];
+    let heading = "file,partner,label,cluster,name,x_angstrom,y_angstrom,z_angstrom,qw,qx,qy,qz\n";
+    let rows = poses.map(|(name, pose)| format!("one.pdb,two.pdb,x,one-two,{name},{pose}\n"));
+    let manifest = place.path("poses.csv");
+    std::fs::write(&manifest, heading.to_owned() + &rows.concat()).unwrap();
+    let words = |output: &str, threads: usize| {
+        let flags = "--size 24 --spacing 1 --potential debye-hueckel --orientation deposited";
+        let line = format!("voxelize --manifest poses.csv -o {output} {flags} -q -j {threads}");
+        let mut command = program(line.split_whitespace());
+        command.current_dir(place.folder.path()).output().unwrap()
+    };
+    let made = words("poses.zarr", 1);
+    assert!(
+        made.status.success(),
+        "{}",
+        String::from_utf8_lossy(&made.stderr)
+    );
+    assert!(words("again.zarr", 3).status.success());
+    assert_eq!(
+        content(&place.path("poses.zarr")),
+        content(&place.path("again.zarr"))
+    );
+
+    let set = VoxelSet::open(&place.path("poses.zarr")).unwrap();
+    let channels = [
+        "shape",
+        "potential",
+        "hydropathy",
+        "partner_shape",
+        "partner_potential",
+        "partner_hydropathy",
+    ];
+    assert_eq!(set.channels(), channels);
+    let names: Vec<&str> = set
+        .descriptions()
+        .iter()
+        .map(|known| &*known.name)
+        .collect();
+    assert_eq!(
+        names,
+        ["touching", "again", "turned"],
+        "bodies apart have no interface"
+    );
+    let grids: Vec<_> = (0..3).map(|sample| set.voxels(sample).unwrap()).collect();
+    // One pose under two names, in the frame of the file: the same voxels.
+    assert_eq!(grids[0], grids[1]);
+    assert_ne!(grids[0], grids[2]);
+    for grid in &grids {
+        let count = grid.index.len();
+        for body in [0, 3] {
+            let shape = &grid.values[body * count..(body + 1) * count];
+            let potential = &grid.values[(body + 1) * count..(body + 2) * count];
+            assert!(shape.iter().sum::<f32>() > 30.0);
+            let on_shell = shape.iter().zip(potential);
+            assert!(
+                on_shell
+                    .clone()
+                    .any(|(shape, value)| *shape == 1.0 && *value != 0.0)
+            );
+            assert!(
+                on_shell
+                    .clone()
+                    .all(|(shape, value)| *shape == 1.0 || *value == 0.0)
+            );
+        }
+    }
+    // Poses of one complex differ in their hashes, or a training could not tell them apart.
+    assert_ne!(set.file_sha256(0), set.file_sha256(2));
+
+    for (text, flags, expected) in [
+        (
+            "file,label,cluster,qw\none.pdb,x,c,1\n",
+            "",
+            "add a column 'partner'",
+        ),
+        (
+            "file,partner,label,cluster\none.pdb,,x,c\n",
+            "",
+            "column partner: the cell is empty",
+        ),
+        (
+            "file,partner,label,cluster,qw\none.pdb,two.pdb,x,c,1\n",
+            "",
+            "column x_angstrom: '' is not a number",
+        ),
+        (
+            "file,partner,label,cluster\none.pdb,two.pdb,x,c\n",
+            "--channels solid",
+            "of one body alone",
+        ),
+        (
+            "file,label,cluster\none.pdb,x,c\n",
+            "--channels partner_shape",
+            "column 'partner'",
+        ),
+        (
+            "file,label,cluster\none.pdb,x,c\n",
+            "--interface-reach 5",
+            "is for interfaces",
+        ),
+    ] {
+        std::fs::write(place.path("bad.csv"), text).unwrap();
+        let line = format!("voxelize --manifest bad.csv -o bad.zarr --size 24 {flags}");
+        let mut command = program(line.split_whitespace());
+        let refused = command.current_dir(place.folder.path()).output().unwrap();
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(
+            !refused.status.success() && said.contains(expected),
+            "{said}"
+        );
+    }
+}
+
+/// The exit code on request, where structures are left out.
+#[test]
+fn strict_runs_fail_where_structures_are_left_out() {
+    let place = Place::new();
+    let run = |flags: &str| {
+        let line = format!(
+            "voxelize --manifest set.csv -o set.zarr --size 24 --channels shape -q {flags}"
+        );
+        let mut command = program(line.split_whitespace());
+        let output = command.current_dir(place.folder.path()).output().unwrap();
+        output.status.code()
+    };
+    assert_eq!(run(""), Some(0));
+    // The set is there already, and the answer is the same.
+    assert_eq!(run("--strict"), Some(1));
+    assert_eq!(run("--strict --force"), Some(1));
+    assert!(place.path("set.zarr").exists());
+}

@@ -133,6 +133,13 @@ fn meaning(channel: Channel) -> &'static str {
         Channel::Potential => "kT/e, at the point of the surface nearest to the centre",
         Channel::Hydropathy => "Kyte-Doolittle index, averaged over nearby residues",
         Channel::Spacing => "edge of the voxels of this sample, Å",
+        Channel::PartnerShape => "1 where the surface of the second body passes through",
+        Channel::PartnerPotential => {
+            "kT/e of the second body alone, at the point of its surface nearest to the centre"
+        }
+        Channel::PartnerHydropathy => {
+            "Kyte-Doolittle index, averaged over nearby residues of the second body"
+        }
     }
 }
 

@@ -17,7 +17,8 @@ use serde_json::{Value, json};
 /// # Errors
 /// For unphysical solvent conditions.
 pub(super) fn fixed_conditions(settings: &VoxelizeSettings) -> Result<Value> {
-    if !settings.channels.contains(&Channel::Potential)
+    let has = |channel| settings.channels.contains(&channel);
+    if !(has(Channel::Potential) || has(Channel::PartnerPotential))
         || settings.potential != PotentialModel::PoissonBoltzmann
     {
         return Ok(Value::Null);

@@ -1,16 +1,18 @@
 //! Manifests list structures with their labels: CSV with the columns `file`, `label`, `cluster`
-//! and optionally `family`, `name`.
+//! and optionally `family`, `name`. For an interface they also name the second body, `partner`, the
+//! chains of both, and how the second one is moved.
 
 use anyhow::{Result, bail};
 use protomer_common::input::{InputFile, stem};
 use protomer_io::csv::cells;
 use protomer_io::digest::Digest;
 use protomer_kernel::name::{first_forbidden, printable};
+use protomer_kernel::{Pose, Vec3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// An entry of a manifest.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// Position among the entries, from zero.
     pub number: usize,
@@ -27,6 +29,23 @@ pub struct Entry {
     pub cluster: String,
     /// Copies of one crystal form share a family; may be empty.
     pub family: String,
+    /// The second body of an interface; `None` for a structure alone.
+    pub partner: Option<Partner>,
+}
+
+/// The second body of an interface, its place, and the chains of both bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Partner {
+    /// The file as named in the manifest.
+    pub file: String,
+    /// The path of the file for this process.
+    pub path: PathBuf,
+    /// Chains of the first body; empty for all of its file.
+    pub chains: Vec<String>,
+    /// Chains of the second body; empty for all of its file.
+    pub partner_chains: Vec<String>,
+    /// Motion of the second body: a point p of its file goes to R p + t in that of the first, Å.
+    pub pose: Pose,
 }
 
 /// A manifest: its text, from which an entry is read when it is requested. That takes a tenth of
@@ -124,6 +143,11 @@ impl Manifest {
         Ok(())
     }
 
+    /// Whether the entries are interfaces of two bodies.
+    pub fn has_partners(&self) -> bool {
+        self.columns.places[PARTNER].is_some()
+    }
+
     /// Number of entries.
     pub fn len(&self) -> usize {
         self.begins.len()
@@ -152,7 +176,8 @@ impl Manifest {
     fn entry_of(&self, number: usize, line: &Line) -> Result<Entry> {
         let cells = self.columns.cells_of(&self.file, line)?;
         self.refuse_characters(line, &cells)?;
-        let [file, label, cluster, family, name] = cells;
+        let partner = self.partner(line, &cells)?;
+        let [file, label, cluster, family, name, ..] = cells;
         let name = if name.is_empty() {
             stem(Path::new(&file))
         } else {
@@ -171,7 +196,82 @@ impl Manifest {
             label,
             cluster,
             family,
+            partner,
         })
+    }
+
+    /// The second body, if the line names its file.
+    fn partner(&self, line: &Line, cells: &[String; KNOWN.len()]) -> Result<Option<Partner>> {
+        let (words, motion) = (&cells[PARTNER..MOTION], &cells[MOTION..]);
+        let [file, chains, partner_chains] = words else {
+            return Ok(None);
+        };
+        if !self.has_partners() {
+            return match cells[PARTNER..].iter().find(|cell| !cell.is_empty()) {
+                Some(stray) => bail!(
+                    "{}:{}: '{stray}' belongs to the second body of an interface; add a column 'partner'",
+                    self.file,
+                    line.number
+                ),
+                None => Ok(None),
+            };
+        }
+        if file.is_empty() {
+            bail!(
+                "{}:{}, column partner: the cell is empty; give the file of the second body",
+                self.file,
+                line.number
+            );
+        }
+        let of_group = |group: &str| -> Vec<String> {
+            let chains = group.split('+').map(str::trim);
+            chains
+                .filter(|chain| !chain.is_empty())
+                .map(str::to_owned)
+                .collect()
+        };
+        Ok(Some(Partner {
+            path: self.folder.join(file),
+            file: file.clone(),
+            chains: of_group(chains),
+            partner_chains: of_group(partner_chains),
+            pose: self.motion(line, motion)?,
+        }))
+    }
+
+    /// Translation and rotation of the second body; none if all cells are empty.
+    fn motion(&self, line: &Line, cells: &[String]) -> Result<Pose> {
+        if cells.iter().all(String::is_empty) {
+            return Ok(Pose::identity());
+        }
+        let mut numbers = [0.0; KNOWN.len() - MOTION];
+        for ((number, cell), column) in numbers.iter_mut().zip(cells).zip(&KNOWN[MOTION..]) {
+            *number = match cell.parse::<f64>() {
+                Ok(value) if value.is_finite() => value,
+                _ => bail!(
+                    "{}:{}, column {column}: '{cell}' is not a number; give all seven of a pose, or none",
+                    self.file,
+                    line.number
+                ),
+            };
+        }
+        let [x, y, z, w, i, j, k] = numbers;
+        let norm = [w, i, j, k]
+            .iter()
+            .map(|part| part * part)
+            .sum::<f64>()
+            .sqrt();
+        if (norm - 1.0).abs() > MOST_NORM_ERROR {
+            bail!(
+                "{}:{}, column qw: the quaternion has the norm {norm}, which is not 1; give that of a rotation",
+                self.file,
+                line.number
+            );
+        }
+        Ok(Pose::from_wxyz(
+            Vec3::new(x, y, z),
+            [w, i, j, k].map(|part| part / norm),
+        ))
     }
 }
 
@@ -226,7 +326,29 @@ struct Columns {
     count: usize,
 }
 
-const KNOWN: [&str; 5] = ["file", "label", "cluster", "family", "name"];
+const KNOWN: [&str; 15] = [
+    "file",
+    "label",
+    "cluster",
+    "family",
+    "name",
+    "partner",
+    "chains",
+    "partner_chains",
+    "x_angstrom",
+    "y_angstrom",
+    "z_angstrom",
+    "qw",
+    "qx",
+    "qy",
+    "qz",
+];
+/// Place of the first column of a partner.
+const PARTNER: usize = 5;
+/// Place of the first column of the motion of a partner.
+const MOTION: usize = 8;
+/// Largest difference of the norm of a quaternion from 1.
+const MOST_NORM_ERROR: f64 = 1e-3;
 
 impl Columns {
     fn read(file: &str, heading: &Line) -> Result<Self> {

@@ -12,6 +12,7 @@
 //! | [`manifest`] | the list of structures and labels |
 //! | [`settings`] | the settings of the grids |
 //! | [`structure`] | one structure to one sample, or the reason for its exclusion |
+//! | [`interface`] | a pose of two bodies to one sample |
 //! | [`work`] | finished samples, stored until all are done |
 //! | [`body_store`] | bodies made on the way |
 //! | [`content`] | what becomes a set: samples and exclusions, one at a time |
@@ -35,6 +36,7 @@ pub mod columns;
 pub mod content;
 mod finished;
 pub mod identity;
+pub mod interface;
 mod listed;
 pub mod manifest;
 pub mod merge;

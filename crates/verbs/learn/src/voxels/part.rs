@@ -9,7 +9,6 @@ use protomer_common::input::InputFile;
 use protomer_io::digest::Digest;
 use protomer_results::Shard;
 use rayon::prelude::*;
-use std::path::Path;
 
 /// The structures, numbered from zero. Only the hash of each file is kept; everything else about a
 /// structure is made when it is requested.
@@ -41,7 +40,7 @@ impl<'a> Part<'a> {
             keys: Keys::new(settings, body_density)?,
             identity: String::new(),
         };
-        let hash = |structure| hash_of(&part.entry(structure).ok()?.path);
+        let hash = |structure| hash_of(&part.entry(structure).ok()?);
         part.hashes = (0..count).into_par_iter().map(hash).collect();
         let rows = || (0..count).map(|structure| part.row(structure));
         part.identity = identity(settings, rows)?;
@@ -69,13 +68,13 @@ impl<'a> Part<'a> {
     /// Refuses a structure whose file is not what it was when this process began: its record would
     /// stand under the hash of other content.
     pub(super) fn require_unchanged(&self, structure: usize) -> Result<()> {
-        let path = self.entry(structure)?.path;
-        if hash_of(&path) == self.hash(structure) {
+        let entry = self.entry(structure)?;
+        if hash_of(&entry) == self.hash(structure) {
             return Ok(());
         }
         bail!(
             "{} has changed while it was voxelized; run the same command again",
-            path.display()
+            entry.path.display()
         )
     }
 
@@ -86,7 +85,17 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The hash of a file; `None` if it cannot be read.
-fn hash_of(path: &Path) -> Option<Digest> {
-    Digest::from_hex(&InputFile::sha256_of(path).ok()?)
+/// The hash of the file of an entry; for an interface that of both files, the chains and the pose.
+/// `None` if a file cannot be read.
+fn hash_of(entry: &Entry) -> Option<Digest> {
+    let first = InputFile::sha256_of(&entry.path).ok()?;
+    let Some(partner) = &entry.partner else {
+        return Digest::from_hex(&first);
+    };
+    let second = InputFile::sha256_of(&partner.path).ok()?;
+    let (position, rotation) = (partner.pose.position, partner.pose.wxyz());
+    let (chains, others) = (&partner.chains, &partner.partner_chains);
+    // Numbers as they print: the fewest digits that read back exactly.
+    let text = format!("{first} {second} {chains:?} {others:?} {position:?} {rotation:?}");
+    Some(Digest::of(text.as_bytes()))
 }

@@ -91,6 +91,9 @@ pub struct VoxelizeSettings {
     pub hydropathy_reach_angstrom: f64,
     /// Structures are excluded if a larger share of their residues lacks heavy atoms.
     pub most_incomplete: f64,
+    /// For interfaces: voxels of one body are kept if an atom of the other is this near, Å.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interface_reach_angstrom: Option<f64>,
 }
 
 impl Default for VoxelizeSettings {
@@ -109,11 +112,15 @@ impl Default for VoxelizeSettings {
             probe_angstrom: 1.4,
             hydropathy_reach_angstrom: 5.0,
             most_incomplete: 0.25,
+            interface_reach_angstrom: None,
         }
     }
 }
 
 impl VoxelizeSettings {
+    /// The usual reach of an interface.
+    pub const INTERFACE_REACH_ANGSTROM: f64 = 8.0;
+
     /// Checks the settings.
     ///
     /// # Errors
@@ -128,6 +135,20 @@ impl VoxelizeSettings {
             bail!("no channels are given; give at least one");
         }
         for (place, channel) in self.channels.iter().enumerate() {
+            let is_of_partner = Channel::OF_PARTNER.contains(channel);
+            if is_of_partner && self.interface_reach_angstrom.is_none() {
+                bail!(
+                    "the channel {} is that of a partner; give a manifest with a column 'partner'",
+                    channel.name()
+                );
+            }
+            let is_alone = matches!(channel, Channel::Solid | Channel::Spacing);
+            if is_alone && self.interface_reach_angstrom.is_some() {
+                bail!(
+                    "the channel {} is that of one body alone; choose others for interfaces",
+                    channel.name()
+                );
+            }
             if self.channels[..place].contains(channel) {
                 bail!(
                     "the channel {} is given twice; give it once",
@@ -150,6 +171,13 @@ impl VoxelizeSettings {
                 0.0,
                 1.0,
                 "",
+            ),
+            (
+                "the reach of an interface",
+                self.interface_reach_angstrom.unwrap_or(1.0),
+                1.0,
+                50.0,
+                " Å",
             ),
             ("the pH", self.ph, -10.0, 30.0, ""),
         ];
@@ -183,7 +211,8 @@ impl VoxelizeSettings {
     /// Channels that are 1 in every occupied voxel: the shape, if only the shell is occupied.
     pub fn implied_channels(&self) -> Vec<String> {
         let has = |channel| self.channels.contains(&channel);
-        match has(Channel::Shape) && !has(Channel::Solid) {
+        let is_alone = self.interface_reach_angstrom.is_none();
+        match is_alone && has(Channel::Shape) && !has(Channel::Solid) {
             true => vec![Channel::Shape.name().to_owned()],
             false => Vec::new(),
         }

@@ -1,6 +1,7 @@
 //! One structure to one sample, or the reason why not; and to a body, if there is a store for bodies.
 
 use super::body_store::BodyStore;
+use super::interface::InterfaceBodies;
 use super::manifest::Entry;
 use super::settings::{Spacing, VoxelizeSettings};
 use anyhow::{Result, anyhow, bail};
@@ -24,6 +25,7 @@ use protomer_kernel::plain_text::line_end_warning;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_results::FileRecord;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Reasons for the exclusion of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,7 +93,7 @@ pub struct Properties {
 }
 
 /// Maximum number of warnings kept per structure.
-const MOST_WARNINGS: usize = 10;
+pub(super) const MOST_WARNINGS: usize = 10;
 
 /// Results for a structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +105,7 @@ pub struct Done {
 }
 
 /// An error that excludes a structure.
-struct Excluded(Reason, anyhow::Error);
+pub(super) struct Excluded(pub Reason, pub anyhow::Error);
 
 impl From<Excluded> for Outcome {
     fn from(Excluded(reason, error): Excluded) -> Self {
@@ -114,10 +116,10 @@ impl From<Excluded> for Outcome {
     }
 }
 
-type Checked<T> = std::result::Result<T, Excluded>;
+pub(super) type Checked<T> = std::result::Result<T, Excluded>;
 
 /// Voxelises a structure, and makes its body if there is a store for bodies. An error in the structure
-/// is its outcome.
+/// is its outcome. Of an interface, both bodies are read, and kept in `interfaces` for their next pose.
 ///
 /// # Errors
 /// If the body cannot be written.
@@ -125,7 +127,15 @@ pub fn voxelize_structure(
     entry: &Entry,
     settings: &VoxelizeSettings,
     bodies: Option<&dyn BodyStore>,
+    interfaces: &InterfaceBodies,
 ) -> Result<Done> {
+    if let Some(partner) = &entry.partner {
+        let sample = interfaces.sample(entry, partner, settings);
+        return Ok(Done {
+            outcome: sample.map_or_else(Outcome::from, |sample| Outcome::Sample(Box::new(sample))),
+            body: None,
+        });
+    }
     let path = &entry.path;
     match sample_and_draft(entry, settings, bodies) {
         Ok(Drawn {
@@ -187,7 +197,8 @@ fn usable(
     settings: &VoxelizeSettings,
     density_per_angstrom2: f64,
 ) -> Checked<(Content, Vec<AminoAcid>)> {
-    let content = read(entry, settings, density_per_angstrom2)?;
+    let (name, path) = (&entry.name, &entry.path);
+    let content = read(name, path, &[], settings, density_per_angstrom2)?;
     let amino_acids = amino_acids_of(&content, settings)?;
     Ok((content, amino_acids))
 }
@@ -270,6 +281,10 @@ impl Posed {
 /// The largest extent of a structure along an axis of the grid, Å; `None` if it cannot be used for
 /// another reason than its size.
 pub(super) fn extent_angstrom(entry: &Entry, settings: &VoxelizeSettings) -> Option<f64> {
+    if entry.partner.is_some() {
+        // An interface is cropped to the grid.
+        return None;
+    }
     let (content, _) = usable(entry, settings, density_of(None)).ok()?;
     let (low, high) = bounds(&Posed::new(entry, content.draft.sites(), settings).atoms);
     Some((high - low).max())
@@ -281,7 +296,10 @@ pub(super) fn voxels_needed(extent: f64, spacing: f64) -> usize {
 }
 
 /// The amino acids of a structure, if it has any and enough of them are complete.
-fn amino_acids_of(content: &Content, settings: &VoxelizeSettings) -> Checked<Vec<AminoAcid>> {
+pub(super) fn amino_acids_of(
+    content: &Content,
+    settings: &VoxelizeSettings,
+) -> Checked<Vec<AminoAcid>> {
     let residues = &content.draft.sites().residues;
     let mut amino_acids = Vec::with_capacity(residues.len());
     for residue in residues {
@@ -318,7 +336,7 @@ fn atoms_of(sites: &ChargedSites) -> Vec<VoxelAtom> {
     atoms
 }
 
-fn no_voxels(error: FieldError) -> Excluded {
+pub(super) fn no_voxels(error: FieldError) -> Excluded {
     let reason = match error {
         FieldError::NotConverged { .. } | FieldError::ChargeOutside { .. } => Reason::Potential,
         _ => Reason::Failed,
@@ -327,7 +345,7 @@ fn no_voxels(error: FieldError) -> Excluded {
 }
 
 /// Whether a set can keep the values.
-fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
+pub(super) fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
     for (channel, values) in channels.iter().zip(&voxels.values) {
         if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
             bail!(
@@ -340,25 +358,27 @@ fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
 }
 
 /// The content of a structure file.
-struct Content {
-    draft: Draft,
+pub(super) struct Content {
+    pub draft: Draft,
     /// Residues that lack heavy atoms.
-    incomplete: usize,
-    warnings: Vec<String>,
+    pub incomplete: usize,
+    pub warnings: Vec<String>,
 }
 
 /// Vertices of a mesh per Å²; without a store there is no mesh.
-fn density_of(bodies: Option<&dyn BodyStore>) -> f64 {
+pub(super) fn density_of(bodies: Option<&dyn BodyStore>) -> f64 {
     let default = SurfaceSettings::default().density_per_angstrom2;
     bodies.map_or(default, BodyStore::density_per_angstrom2)
 }
 
-fn read(
-    entry: &Entry,
+pub(super) fn read(
+    name: &str,
+    path: &Path,
+    chains: &[String],
     settings: &VoxelizeSettings,
     density_per_angstrom2: f64,
 ) -> Checked<Content> {
-    let file = InputFile::read(&entry.path).map_err(unreadable)?;
+    let file = InputFile::read(path).map_err(unreadable)?;
     let source = Source {
         file: &file.name,
         sha256: &file.sha256,
@@ -370,7 +390,7 @@ fn read(
     };
     if Format::of_file(&file.name, &file.bytes).map_err(unreadable)? == Format::Pqr {
         let pqr = read_pqr_file(&file.name, &file.bytes).map_err(unreadable)?;
-        let draft = Draft::of_points(&entry.name, source, &pqr.atoms, &surface);
+        let draft = Draft::of_points(name, source, &pqr.atoms, &surface);
         let draft = draft.map_err(unreadable)?;
         let mut warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
         warnings.extend(Format::Pqr.contradiction(&file.name));
@@ -388,7 +408,10 @@ fn read(
     let mut warnings = of_ending(&structure.ending)?;
     // With these settings the selection fails only if nothing remains without nucleic acids,
     // ligands and water.
-    let selection = structure.select(&SelectionSettings::default());
+    let selection = structure.select(&SelectionSettings {
+        chains: chains.to_vec(),
+        ..SelectionSettings::default()
+    });
     let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
     let incomplete = selection.report.incomplete.len();
     warnings.extend(structure_warnings(&structure, &selection.report));
@@ -403,7 +426,7 @@ fn read(
         surface,
         ..BodySettings::default()
     };
-    let (name, solved) = (&entry.name, &SolvedProtonation);
+    let solved = &SolvedProtonation;
     let draft = Draft::of_protonated_selection(name, source, selection, &body_settings, solved);
     let draft = draft.map_err(|error| match error {
         BodyError::Trace { .. } => Excluded(Reason::Truncated, error.into()),
@@ -449,7 +472,7 @@ pub(super) fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
 }
 
 /// A number derived from the name.
-fn key_of(name: &str) -> u64 {
+pub(super) fn key_of(name: &str) -> u64 {
     Digest::of(name.as_bytes()).short()
 }
 
@@ -479,7 +502,7 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
     Ok(Lattice::new(settings.size, spacing)?)
 }
 
-fn radius_of_gyration(positions: &[Vec3]) -> f64 {
+pub(super) fn radius_of_gyration(positions: &[Vec3]) -> f64 {
     let count = positions.len().max(1) as f64;
     let middle = positions.iter().sum::<Vec3>() / count;
     let mut squares = 0.0;
@@ -489,7 +512,7 @@ fn radius_of_gyration(positions: &[Vec3]) -> f64 {
     (squares / count).sqrt()
 }
 
-fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
+pub(super) fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
     // About the principal axes: extents do not depend on the rotation of the sample.
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
     let (rotation, _) = principal_axes(&positions);
@@ -503,7 +526,7 @@ fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
     extents
 }
 
-fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
+pub(super) fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
     let letters = letters();
     let mut shares = [0.0; 20];
     for amino_acid in amino_acids {

@@ -5,6 +5,7 @@ use super::attributes::Making;
 use super::body_store::BodyStore;
 use super::content::Content;
 use super::finished::Finished;
+use super::interface::InterfaceBodies;
 use super::manifest::Manifest;
 use super::origin::Origin;
 use super::part::Part;
@@ -223,12 +224,13 @@ impl Part<'_> {
     ) -> Result<End<()>> {
         let progress = &execution.progress;
         progress.begin(missing.len() as u64, "structures");
+        let interfaces = InterfaceBodies::default();
         let one = |structure: &usize| -> Result<End<()>> {
             if execution.interrupt.is_requested() {
                 return Ok(End::Stopped);
             }
             let entry = self.entry(*structure)?;
-            let done = structure::voxelize_structure(&entry, self.settings, bodies)?;
+            let done = structure::voxelize_structure(&entry, self.settings, bodies, &interfaces)?;
             // After the work: a file that changed meanwhile must not get the key of the old one.
             self.require_unchanged(*structure)?;
             work.keep(*structure, self.key(*structure)?, &done)?;

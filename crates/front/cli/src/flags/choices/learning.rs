@@ -13,6 +13,15 @@ choices! {
         Hydropathy,
         /// Edge of the voxels, Å: shows the size of structures scaled to the grid.
         Spacing,
+        /// Shape of the second body of an interface.
+        #[value(name = "partner_shape")]
+        PartnerShape,
+        /// Potential of the second body of an interface, kT/e.
+        #[value(name = "partner_potential")]
+        PartnerPotential,
+        /// Hydropathy of the second body of an interface.
+        #[value(name = "partner_hydropathy")]
+        PartnerHydropathy,
     }
 }
 

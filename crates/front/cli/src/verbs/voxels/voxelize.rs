@@ -12,7 +12,7 @@ use protomer_body::surface::ExactSurface;
 use protomer_body::{Draft, SurfaceSettings};
 use protomer_common::{quantity, range};
 use protomer_field::PotentialModel;
-use protomer_field::voxels::Orientation;
+use protomer_field::voxels::{Channel, Orientation};
 use protomer_learn_verbs::voxels::body_store::BodyStore;
 use protomer_learn_verbs::voxels::manifest::Manifest;
 use protomer_learn_verbs::voxels::survey::survey;
@@ -39,14 +39,14 @@ pub struct VoxelizeArgs {
     /// Edge of a voxel, Å; `fit` scales each structure to fill the grid.
     #[arg(long, default_value = "1.0", value_parser = Spacing::parse, allow_hyphen_values = true)]
     spacing: Spacing,
-    /// Channels of the voxels.
-    #[arg(
-        long,
-        value_enum,
-        value_delimiter = ',',
-        default_value = "shape,potential,hydropathy"
-    )]
-    channels: Vec<VoxelChannel>,
+    /// Channels of the voxels [default: shape,potential,hydropathy; of interfaces also those of the
+    /// partner].
+    #[arg(long, value_enum, value_delimiter = ',')]
+    channels: Option<Vec<VoxelChannel>>,
+    /// For interfaces: the voxels of one body that have an atom of the other this near are kept, Å
+    /// [default: 8].
+    #[arg(long, allow_negative_numbers = true)]
+    interface_reach: Option<f64>,
     /// The orientation of structures.
     #[arg(long, value_parser = choice::<Orientation>(), default_value = "random")]
     orientation: Orientation,
@@ -107,10 +107,10 @@ const SHOWN_WARNINGS: usize = 10;
 impl VoxelizeArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         self.scheduler.check()?;
-        let settings = self.settings()?;
-        settings.check()?;
         front.warn(quantity::salt_warning([self.salt]));
         let manifest = Manifest::read(&self.manifest)?;
+        let settings = self.settings(manifest.has_partners())?;
+        settings.check()?;
         let notice = "finishing the current structures; the same command continues";
         let execution = front.execution(notice, self.time_limit)?;
         let bodies = self.bodies(&manifest, front)?;
@@ -147,6 +147,17 @@ impl VoxelizeArgs {
         })
     }
 
+    fn channels(&self, has_partners: bool) -> Vec<Channel> {
+        match &self.channels {
+            Some(chosen) => chosen.iter().map(|name| (*name).into()).collect(),
+            None => {
+                let mut usual = VoxelizeSettings::default().channels;
+                usual.extend(Channel::OF_PARTNER.into_iter().filter(|_| has_partners));
+                usual
+            }
+        }
+    }
+
     /// The folder of the bodies, if they are wanted.
     fn bodies(&self, manifest: &Manifest, front: &Front) -> Result<Option<Bodies>> {
         let Some(folder) = &self.bodies else {
@@ -178,11 +189,24 @@ impl VoxelizeArgs {
         }))
     }
 
-    fn settings(&self) -> Result<VoxelizeSettings> {
+    fn settings(&self, has_partners: bool) -> Result<VoxelizeSettings> {
+        if self.interface_reach.is_some() && !has_partners {
+            bail!(
+                "--interface-reach is for interfaces; give a manifest with a column 'partner', or omit it"
+            );
+        }
+        if self.bodies.is_some() && has_partners {
+            bail!(
+                "--bodies makes the bodies of structures alone; make those of interfaces with 'protomer ingest'"
+            );
+        }
+        let reach = self.interface_reach;
+        let reach = reach.unwrap_or(VoxelizeSettings::INTERFACE_REACH_ANGSTROM);
         Ok(VoxelizeSettings {
             size: self.size,
             spacing: self.spacing,
-            channels: self.channels.iter().map(|name| (*name).into()).collect(),
+            channels: self.channels(has_partners),
+            interface_reach_angstrom: has_partners.then_some(reach),
             orientation: self.orientation,
             seed: self.seed,
             potential: self.potential,
