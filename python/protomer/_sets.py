@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -266,7 +266,7 @@ class VoxelStream:
         self.shuffle = part == "training" if shuffle is None else shuffle
         self._seed, self._epoch, self._shard = seed, 0, (index, count)
         if part is None:
-            samples_of_part = range(len(self.set))
+            samples_of_part: Sequence[int] = range(len(self.set))
         else:
             names = ["training", "validation", "test"]
             if part not in names:
