@@ -47,8 +47,8 @@ protomer_results::log_row! {
         pub rod_violation: f64,
         /// Number of collisions so far.
         pub events: u64,
-        /// Rate of change of `checkerboard`.
-        pub checkerboard_rate: f64,
+        /// Rate of change of `checkerboard`; NaN in logs of earlier versions.
+        pub checkerboard_rate: f64 = f64::NAN,
     }
 }
 
