@@ -23,12 +23,16 @@
 # All of it takes a second or two.
 
 # %%
+import warnings
 from collections import Counter
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import protomer as pm
+
+# The figures show how two mechanisms compete, so nobody needs to be warned of it.
+warnings.filterwarnings("ignore", "two mechanisms compete")
 
 # %% [markdown]
 # ## Rotating squares

@@ -142,6 +142,31 @@ def test_both_values_of_every_repeated_flag_reach_the_program(tmp_path):
     assert run.bodies == 16
     settings = tomllib.loads((tmp_path / "mixture" / "run.toml").read_text())
     assert settings["shape"] == ["polygon:4", "polygon:5"] and settings["share"] == [3.0, 1.0]
+
+    mixed = {"shape": ["cube", "octahedron"], "share": [3, 1], "bodies": 32, "equilibration": 5, "sweeps": 5, "trajectory_every": 0}
+    pm.hpmc.run(packing_fraction=0.05, output=tmp_path / "mixed", **mixed)
+    pm.hpmc.sweep(packing_fractions=[0.05], output=tmp_path / "mixed_sweep", **mixed)
+    for folder, key in [("mixed", None), ("mixed_sweep", "run")]:
+        settings = tomllib.loads((tmp_path / folder / "run.toml").read_text())
+        settings = settings[key] if key else settings
+        assert settings["shape"] == ["cube", "octahedron"] and settings["share"] == [3.0, 1.0]
+    calls("hpmc run", "--shape", "--share")
+    calls("hpmc sweep", "--shape", "--share")
+
+    scan = pm.framework.honeycomb(theta=60, kh=50, ks=10000, scan=["theta=60,70", "h=1,2"])
+    assert len(scan.to_dict()["items"]) == 4
+    calls("framework honeycomb", "--scan")
+    for name, builder in vars(type(pm.framework)).items():
+        verb = f"framework {name.replace('_', '-')}"
+        if (verb, "--scan") in repeated_flags() - called:
+            # Any numbers: the second value is refused before a network is built.
+            numbers = [key for key, parameter in inspect.signature(builder).parameters.items() if parameter.default is inspect.Parameter.empty]
+            with pytest.raises(pm.ProtomerError, match="other"):
+                getattr(pm.framework, name)(**{key: 0.5 for key in numbers if key != "self"}, scan=["other=1", "other=2"])
+            calls(verb, "--scan")
+    with pytest.raises(pm.ProtomerError, match="--scan changes the parameters of a builder"):
+        pm.framework("network.toml", scan=["theta=1", "h=2"])
+    calls("framework", "--scan")
     calls("md run", "--shape", "--share")
 
     dimer = Path(__file__).parents[2] / "data/structures/4e43.pdb.gz"

@@ -240,6 +240,7 @@ fn results_are_written_once() {
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
     let expected = [
         "curve.csv",
+        "deformation.svg",
         "drawing.svg",
         "network.toml",
         "polar.csv",

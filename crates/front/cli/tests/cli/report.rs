@@ -879,8 +879,8 @@ fn lattices_frameworks_and_trainings_have_pages_too() {
     }
     assert_eq!(
         html.matches("<svg").count(),
-        5,
-        "polar plot and curve in two shapes, drawing"
+        6,
+        "polar plot and curve in two shapes, drawing, deformation"
     );
     assert!(
         html.contains("<div class=\"narrow\">\n<p>honeycomb"),
