@@ -141,6 +141,8 @@ def _tune(command: Command, workers: Workers) -> None:
 
 
 _SHARED_OUT = {
+    "hpmc": _sweep,
+    "lattice": _sweep,
     "pair": _conditions,
     "score": _conditions,
     "stability": _conditions,

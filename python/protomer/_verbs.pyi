@@ -419,10 +419,13 @@ class _Hpmc:
         triclinic: bool = False,
         box_moves: int | str | None = None,
         seeds: int | str | None = None,
+        shard: str | float | Sequence[str | float] | None = None,
         time_limit: float | str | None = None,
         checkpoint_every: float | str | None = None,
         threads: int | str | None = None,
         force: bool = False,
+        client: Client | str | None = None,
+        parts: int | None = None,
         progress: Callable[[int, int, str], None] | None = None,
     ) -> HardBodySweepResult:
         """Run hard bodies at several packing fractions or pressures, once per seed, on all threads: the
@@ -1407,6 +1410,7 @@ class _Lattice:
         seeds: int | str | None = None,
         lyapunov: bool = False,
         lyapunov_intervals: int | str | None = None,
+        shard: str | float | Sequence[str | float] | None = None,
         locked_within: float | str | None = None,
         ns: int | str | None = None,
         angle_potential: Path | str | None = None,
@@ -1436,6 +1440,8 @@ class _Lattice:
         trajectory_every: int | str | None = None,
         threads: int | str | None = None,
         force: bool = False,
+        client: Client | str | None = None,
+        parts: int | None = None,
         progress: Callable[[int, int, str], None] | None = None,
     ) -> LatticeSweepResult:
         """Run lattices of several rod lengths and κ, once per seed, on all threads, with tables and

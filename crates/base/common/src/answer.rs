@@ -36,6 +36,34 @@ pub trait Answer: Serialize {
     }
 }
 
+/// A completed part of a sweep.
+///
+/// ```
+/// use protomer_common::answer::{Answer, SweepPart};
+/// let part = SweepPart { shard: 2, of: 4, runs: 3 };
+/// assert_eq!(part.text(), "part 2 of 4: 3 runs done; run without --shard for the table");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct SweepPart {
+    /// The number of the part, counted from 1.
+    pub shard: usize,
+    /// The number of parts.
+    pub of: usize,
+    /// Number of runs of the part.
+    pub runs: usize,
+}
+
+impl Answer for SweepPart {
+    fn text(&self) -> String {
+        format!(
+            "part {} of {}: {} done; run without --shard for the table",
+            self.shard,
+            self.of,
+            counted(self.runs, "run", "runs")
+        )
+    }
+}
+
 /// A number with the name of what is counted.
 ///
 /// ```

@@ -3,7 +3,8 @@
 
 use crate::lock::lock;
 use crate::{
-    End, Error, Execution, Exit, Hold, Interrupt, Record, Result, ResultsDirectory, Shard, Work,
+    End, Error, Execution, Exit, Hold, Interrupt, Layout, Record, Result, ResultsDirectory,
+    Settings, Shard, Work,
 };
 use rayon::prelude::*;
 use serde_json::Value;
@@ -46,6 +47,9 @@ pub trait Campaign: Sync {
     type Answer;
     /// The type of errors.
     type Error: From<Error> + Display + Send;
+
+    /// True where [`run`](Self::run) enters the directory of its task and so locks it.
+    const ENTERS_DIRECTORIES: bool = false;
 
     /// The identity of the work.
     fn work(&self) -> Work;
@@ -155,6 +159,26 @@ fn to_the_end<C: Campaign>(
     }
 }
 
+/// Enters the directory of a campaign alongside other processes and runs the tasks of one part of it; returns their number.
+///
+/// # Errors
+/// As [`ResultsDirectory::share`] and [`conduct_shard`].
+pub fn carry_out_shard<C: Campaign, S: Settings>(
+    campaign: &C,
+    path: &Path,
+    layout: &Layout,
+    settings: &S,
+    shard: Shard,
+    execution: &Execution,
+) -> Result<End<usize>, C::Error> {
+    let identity = campaign.work().identity;
+    let entered = ResultsDirectory::share(path, layout, settings, &identity, execution)?;
+    let count = campaign.tasks().len();
+    let ours = (0..count).filter(|number| shard.has(*number)).count();
+    execution.progress.begin(ours as u64, "runs");
+    conduct_shard(campaign, &entered, shard, execution)
+}
+
 /// Runs the tasks of one part of a campaign while other processes run other parts in the same
 /// directory, and returns their number. [`conduct`] then finds them done and collects the results.
 ///
@@ -186,7 +210,10 @@ pub fn conduct_shard<C: Campaign>(
         // The lock file lies in the task's directory, which must exist for it.
         std::fs::create_dir_all(&path).map_err(Error::file("create the directory", &path))?;
         // A process that was presumed lost may still be at work here.
-        let _alone = lock(&path, Hold::Alone)?;
+        let _alone = match C::ENTERS_DIRECTORIES {
+            true => None,
+            false => Some(lock(&path, Hold::Alone)?),
+        };
         campaign.run(task, &path, execution)
     };
     let parts = each(&ours, &execution.interrupt, one)?;

@@ -2,13 +2,14 @@
 
 use super::system::{BoxArgs, SystemArgs, freedom};
 use crate::flags::execution::ExecutionArgs;
+use crate::flags::scheduler::SchedulerArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
-use protomer_results::End;
+use protomer_results::{End, Shard};
 use protomer_shape_verbs::hard_bodies::settings::HardBodySettings;
-use protomer_shape_verbs::hard_bodies::sweep::{HardBodySweepSettings, run_sweep};
+use protomer_shape_verbs::hard_bodies::sweep::{HardBodySweepSettings, run_shard, run_sweep};
 use std::path::PathBuf;
 
 /// Upper limit for the number of seeds.
@@ -60,6 +61,12 @@ pub struct SweepArgs {
     /// Runs at each condition: seeds 1, 2, ...
     #[arg(long, default_value_t = 1)]
     seeds: u64,
+    /// Run only a part of the runs, such as 2/8, alongside other processes in the same directory;
+    /// the command without this flag collects the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
     /// Directory of the results.
     #[arg(short, long)]
     output: PathBuf,
@@ -69,8 +76,16 @@ pub struct SweepArgs {
 
 impl SweepArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.scheduler.check()?;
         let settings = self.settings()?;
         let execution = self.execution.execution(front)?;
+        if !self.shard.is_whole() {
+            let end = run_shard(&settings, &self.output, self.shard, &execution)?;
+            let Shard { index, of } = self.shard;
+            return Ok(Reply::of_end(end, || {
+                format!("stopped; the same command continues part {index} of {of}")
+            }));
+        }
         let directory = self.output.display();
         Ok(match run_sweep(&settings, &self.output, &execution)? {
             End::Finished(equation) => {

@@ -2,13 +2,14 @@
 
 use super::run::{DirectoryArgs, LatticeFlags};
 use crate::flags::override_with;
+use crate::flags::scheduler::SchedulerArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer_linkage_verbs::lattice::settings::LatticeSettings;
-use protomer_linkage_verbs::lattice::sweep::{axes, run_sweep, tasks};
-use protomer_results::End;
+use protomer_linkage_verbs::lattice::sweep::{axes, run_shard, run_sweep, tasks};
+use protomer_results::{End, Shard};
 
 /// Run lattices of several rod lengths and κ, once per seed, on all threads, with tables and
 /// figures. The same command continues a sweep that was stopped.
@@ -31,6 +32,12 @@ pub struct SweepArgs {
     /// Intervals over which the exponent is averaged [default: 200].
     #[arg(long, requires = "lyapunov")]
     lyapunov_intervals: Option<usize>,
+    /// Run only a part of the runs, such as 2/8, alongside other processes in the same directory;
+    /// the command without this flag collects the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
     /// Phases are locked while all their differences are below this angle, rad [default: 0.5].
     #[arg(long, allow_negative_numbers = true)]
     locked_within: Option<f64>,
@@ -43,6 +50,7 @@ const MOST_SEEDS: u64 = 10_000;
 
 impl SweepArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.scheduler.check()?;
         let settings = self.settings()?;
         let directory = &self.directory.output;
         let conditions = axes(&settings);
@@ -56,6 +64,13 @@ impl SweepArgs {
             tasks(&settings, directory)?.len()
         ));
         let execution = self.directory.execution(front)?;
+        if !self.shard.is_whole() {
+            let end = run_shard(&settings, directory, self.shard, &execution)?;
+            let Shard { index, of } = self.shard;
+            return Ok(Reply::of_end(end, || {
+                format!("stopped; the same command continues part {index} of {of}")
+            }));
+        }
         let end = run_sweep(&settings, directory, &execution)?;
         let directory = directory.display();
         Ok(match end {

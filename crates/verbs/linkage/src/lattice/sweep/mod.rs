@@ -24,11 +24,13 @@ use super::run::run_lattice;
 use super::settings::LatticeSettings;
 use anyhow::{Context, Error, Result};
 use plan::is_condition;
+use protomer_common::answer::SweepPart;
 use protomer_io::atomic::{write_atomically, write_bytes};
 use protomer_linkage::CrystalError;
 use protomer_linkage::analysis::lyapunov::LyapunovSettings;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Work, conduct, log, settings,
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, carry_out_shard,
+    conduct, log, settings,
 };
 use std::path::{Path, PathBuf};
 use table::{conditions_to_csv, correlations_to_csv, crossings_to_csv, runs_to_csv};
@@ -63,16 +65,30 @@ pub fn run_sweep(
     path: &Path,
     execution: &Execution,
 ) -> Result<End<LatticeSweep>> {
-    let sweep = Sweep {
-        settings,
-        lyapunov: axes(settings).lyapunov,
-        tasks: tasks(settings, path)?,
-        identity: settings::identity(settings, "")?,
-        path,
-    };
+    let sweep = Sweep::new(settings, path)?;
     let entered = ResultsDirectory::enter(path, &LAYOUT, settings, &sweep.identity, execution)?;
     execution.progress.begin(sweep.tasks.len() as u64, "runs");
     conduct(&sweep, &entered, execution)
+}
+
+/// Runs or continues the runs of one part of a sweep, while other processes do other parts in the same directory.
+/// [`run_sweep`] finds them done and writes tables and figures.
+///
+/// # Errors
+/// As [`run_sweep`].
+pub fn run_shard(
+    settings: &LatticeSettings,
+    path: &Path,
+    shard: Shard,
+    execution: &Execution,
+) -> Result<End<SweepPart>> {
+    let sweep = Sweep::new(settings, path)?;
+    let end = carry_out_shard(&sweep, path, &LAYOUT, settings, shard, execution)?;
+    Ok(end.map(|runs| SweepPart {
+        shard: shard.index,
+        of: shard.of,
+        runs,
+    }))
 }
 
 struct Sweep<'a> {
@@ -83,7 +99,17 @@ struct Sweep<'a> {
     lyapunov: Option<LyapunovSettings>,
 }
 
-impl Sweep<'_> {
+impl<'a> Sweep<'a> {
+    fn new(settings: &'a LatticeSettings, path: &'a Path) -> Result<Self> {
+        Ok(Self {
+            settings,
+            lyapunov: axes(settings).lyapunov,
+            tasks: tasks(settings, path)?,
+            identity: settings::identity(settings, "")?,
+            path,
+        })
+    }
+
     /// Does one run of the sweep, and measures its exponent if requested.
     fn run_task(
         &self,
@@ -124,6 +150,8 @@ impl Campaign for Sweep<'_> {
     type Part = Outcome;
     type Answer = LatticeSweep;
     type Error = Error;
+
+    const ENTERS_DIRECTORIES: bool = true;
 
     fn work(&self) -> Work {
         Work {

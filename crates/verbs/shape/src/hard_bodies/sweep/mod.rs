@@ -17,12 +17,12 @@ use super::settings::{HardBodySettings, Pressure};
 use super::start::{BodyShape, FLUID};
 use anyhow::{Context, Error, Result, bail};
 use equation::integrate;
-use protomer_common::answer::Answer;
+use protomer_common::answer::{Answer, SweepPart};
 use protomer_io::atomic::write_bytes;
 use protomer_kernel::shape::measures::Measures;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Settings, Work, conduct,
-    settings,
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Settings, Shard, Work,
+    carry_out_shard, conduct, settings,
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -214,20 +214,30 @@ pub fn run_sweep(
     path: &Path,
     execution: &Execution,
 ) -> Result<End<EquationOfState>> {
-    let shape = Shapes::read(&settings.run)?;
-    let text = start_text(&settings.run, &shape)?;
-    let input_sha256 = shape.sha256(text.as_deref());
-    let sweep = Sweep {
-        settings,
-        tasks: settings.tasks(path)?,
-        identity: settings::identity(settings, &input_sha256)?,
-        input_sha256,
-        shape,
-        path,
-    };
+    let sweep = Sweep::new(settings, path)?;
     let entered = ResultsDirectory::enter(path, &LAYOUT, settings, &sweep.identity, execution)?;
     execution.progress.begin(sweep.tasks.len() as u64, "runs");
     conduct(&sweep, &entered, execution)
+}
+
+/// Runs or continues the runs of one part of a sweep, while other processes do other parts in the same directory.
+/// [`run_sweep`] finds them done and writes the table and the figure.
+///
+/// # Errors
+/// As [`run_sweep`].
+pub fn run_shard(
+    settings: &HardBodySweepSettings,
+    path: &Path,
+    shard: Shard,
+    execution: &Execution,
+) -> Result<End<SweepPart>> {
+    let sweep = Sweep::new(settings, path)?;
+    let end = carry_out_shard(&sweep, path, &LAYOUT, settings, shard, execution)?;
+    Ok(end.map(|runs| SweepPart {
+        shard: shard.index,
+        of: shard.of,
+        runs,
+    }))
 }
 
 struct Sweep<'a> {
@@ -239,7 +249,21 @@ struct Sweep<'a> {
     path: &'a Path,
 }
 
-impl Sweep<'_> {
+impl<'a> Sweep<'a> {
+    fn new(settings: &'a HardBodySweepSettings, path: &'a Path) -> Result<Self> {
+        let shape = Shapes::read(&settings.run)?;
+        let text = start_text(&settings.run, &shape)?;
+        let input_sha256 = shape.sha256(text.as_deref());
+        Ok(Self {
+            settings,
+            tasks: settings.tasks(path)?,
+            identity: settings::identity(settings, &input_sha256)?,
+            input_sha256,
+            shape,
+            path,
+        })
+    }
+
     /// Second virial coefficient over volume of fluids whose pressure is that of the bodies alone.
     fn b2_over_volume(&self) -> Result<Option<f64>> {
         let run = &self.settings.run;
@@ -276,6 +300,8 @@ impl Campaign for Sweep<'_> {
     type Part = HardBodyResult;
     type Answer = EquationOfState;
     type Error = Error;
+
+    const ENTERS_DIRECTORIES: bool = true;
 
     fn work(&self) -> Work {
         Work {
@@ -371,6 +397,24 @@ mod tests {
     fn run(settings: &HardBodySweepSettings, path: &Path) -> EquationOfState {
         let end = run_sweep(settings, path, &Execution::default()).unwrap();
         end.finished().unwrap()
+    }
+
+    /// Parts in any order, and the command that collects them, leave the table of one process.
+    #[test]
+    fn parts_give_the_table_of_one_process() {
+        let folder = tempfile::tempdir().unwrap();
+        let [parts, whole] = ["parts", "whole"].map(|name| folder.path().join(name));
+        let settings = settings(&[0.05, 0.1], 50);
+        for index in [3, 1, 2] {
+            let shard = Shard::parse(&format!("{index}/3")).unwrap();
+            let end = run_shard(&settings, &parts, shard, &Execution::default()).unwrap();
+            let expected = if index == 1 { 2 } else { 1 };
+            assert_eq!(end.finished().unwrap().runs, expected);
+        }
+        run(&settings, &parts);
+        run(&settings, &whole);
+        let [parts, whole] = [&parts, &whole].map(|path| std::fs::read(path.join(TABLE)).unwrap());
+        assert!(parts == whole);
     }
 
     #[test]
