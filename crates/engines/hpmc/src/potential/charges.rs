@@ -56,7 +56,7 @@ impl<const D: usize> Charges<D> {
         positions: &[Vec<f64>],
         charges_e: &[f64],
     ) -> Result<Self> {
-        let positions = vectors::<D>("the sites of charges", positions)?;
+        let positions = vectors::<D>(positions)?;
         if positions.len() != charges_e.len() {
             return Err(Error::OutOfRange {
                 quantity: "the number of charges",

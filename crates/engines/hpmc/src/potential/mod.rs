@@ -33,6 +33,9 @@ use std::fmt::Debug;
 /// Largest number of sites, patches and rows of a term.
 const MOST_ROWS: usize = 10_000;
 
+/// Requirement on the length of a vector, by the number of dimensions.
+const COORDINATES: [&str; 3] = ["1, on a line", "2, in a plane", "3, in space"];
+
 /// Two bodies as a potential sees them.
 #[derive(Debug, Clone, Copy)]
 pub struct PosedPair<'a, const D: usize> {
@@ -197,16 +200,20 @@ fn require_rows(quantity: &'static str, count: usize) -> Result<()> {
     require(quantity, count as f64, "from 1 to 10000", holds)
 }
 
-/// Vectors of D components from rows of a file.
-fn vectors<const D: usize>(quantity: &'static str, rows: &[Vec<f64>]) -> Result<Vec<[f64; D]>> {
-    require_rows(quantity, rows.len())?;
+/// Vectors of D components from the rows of a file: sites or directions.
+fn vectors<const D: usize>(rows: &[Vec<f64>]) -> Result<Vec<[f64; D]>> {
+    require_rows("the number of sites or directions", rows.len())?;
     let vector = |row: &Vec<f64>| -> Result<[f64; D]> {
-        let vector = row.as_slice().try_into().map_err(|_| Error::Dimension {
-            shape: row.len(),
-            space: D,
-        })?;
+        let Ok(vector) = row.as_slice().try_into() else {
+            return Err(Error::OutOfRange {
+                quantity: "the number of coordinates of a site or a direction",
+                value: row.len() as f64,
+                requirement: COORDINATES[D - 1],
+            });
+        };
         for x in row {
-            require(quantity, *x, "finite, at most 1e6", x.abs() <= 1e6)?;
+            let coordinate = "a coordinate of a site or a direction";
+            require(coordinate, *x, "at most 1e6", x.abs() <= 1e6)?;
         }
         Ok(vector)
     };

@@ -30,7 +30,7 @@ impl<const D: usize> Patches<D> {
             "above 0 and at most 180",
             holds,
         )?;
-        let mut directions = vectors::<D>("the directions of patches", directions)?;
+        let mut directions = vectors::<D>(directions)?;
         for direction in &mut directions {
             let length = dot(direction, direction).sqrt();
             require(

@@ -262,7 +262,7 @@ fn terms_that_cannot_be_say_why() {
         half_angle_degrees: 20.0,
         directions: vec![vec![1.0, 0.0]],
     };
-    assert!(complaint(flat).contains("2 dimensions"));
+    assert!(complaint(flat).contains("is 2; it must be 3, in space"));
     let far = settings(&[Term::SquareWell {
         range: 9.0,
         depth_kt: 1.0,
