@@ -4,7 +4,7 @@ use crate::global::Global;
 use crate::stderr::{for_terminal, note};
 use anyhow::{Error, Result};
 use protomer_common::answer::{Answer, AnyAnswer};
-use protomer_results::End;
+use protomer_results::{End, Shard};
 use serde_json::Value;
 use std::io::Write;
 
@@ -104,6 +104,14 @@ impl Reply {
             End::Finished(answer) => Self::of(answer),
             End::Stopped => Self::stopped(if_stopped()),
         }
+    }
+
+    /// The answer of a part of work that many processes share, or the note that the part was stopped.
+    pub fn of_part(end: End<impl Answer + Send + 'static>, shard: Shard) -> Self {
+        let Shard { index, of } = shard;
+        Self::of_end(end, || {
+            format!("stopped; the same command continues part {index} of {of}")
+        })
     }
 
     /// Replaces the text of the answer by data.

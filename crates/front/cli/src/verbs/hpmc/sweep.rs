@@ -81,10 +81,7 @@ impl SweepArgs {
         let execution = self.execution.execution(front)?;
         if !self.shard.is_whole() {
             let end = run_shard(&settings, &self.output, self.shard, &execution)?;
-            let Shard { index, of } = self.shard;
-            return Ok(Reply::of_end(end, || {
-                format!("stopped; the same command continues part {index} of {of}")
-            }));
+            return Ok(Reply::of_part(end, self.shard));
         }
         let directory = self.output.display();
         Ok(match run_sweep(&settings, &self.output, &execution)? {

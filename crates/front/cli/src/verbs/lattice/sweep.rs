@@ -66,10 +66,7 @@ impl SweepArgs {
         let execution = self.directory.execution(front)?;
         if !self.shard.is_whole() {
             let end = run_shard(&settings, directory, self.shard, &execution)?;
-            let Shard { index, of } = self.shard;
-            return Ok(Reply::of_end(end, || {
-                format!("stopped; the same command continues part {index} of {of}")
-            }));
+            return Ok(Reply::of_part(end, self.shard));
         }
         let end = run_sweep(&settings, directory, &execution)?;
         let directory = directory.display();

@@ -68,10 +68,7 @@ impl TuneArgs {
         let directory = &self.output;
         if !self.shard.is_whole() {
             let end = tune_shard(&settings, &set, directory, self.shard, &device, &execution)?;
-            let Shard { index, of } = self.shard;
-            return Ok(Reply::of_end(end, || {
-                format!("stopped; the same command continues part {index} of {of}")
-            }));
+            return Ok(Reply::of_part(end, self.shard));
         }
         let end = tune_in(&settings, &set, directory, &device, &execution)?;
         let naming_set = |mut report: TuneReport| {

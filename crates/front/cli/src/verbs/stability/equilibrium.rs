@@ -133,10 +133,7 @@ impl StabilityArgs {
         if !self.shard.is_whole() {
             let shard = self.shard;
             let end = run_stability_shard(bodies, settings, &prepare, directory, shard, execution)?;
-            let Shard { index, of } = shard;
-            return Ok(Reply::of_end(end, || {
-                format!("stopped; the same command continues part {index} of {of}")
-            }));
+            return Ok(Reply::of_part(end, shard));
         }
         Ok(
             match run_stability(bodies, settings, &prepare, directory, execution)? {

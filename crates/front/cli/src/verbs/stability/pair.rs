@@ -147,10 +147,7 @@ impl PairArgs {
     ) -> Result<Reply> {
         if !self.shard.is_whole() {
             let end = run_pair_shard(bodies, settings, directory, self.shard, execution)?;
-            let Shard { index, of } = self.shard;
-            return Ok(Reply::of_end(end, || {
-                format!("stopped; the same command continues part {index} of {of}")
-            }));
+            return Ok(Reply::of_part(end, self.shard));
         }
         Ok(match run_pair(bodies, settings, directory, execution)? {
             End::Finished(result) => {

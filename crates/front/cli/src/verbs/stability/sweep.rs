@@ -74,10 +74,7 @@ impl SweepArgs {
         say_energies(front, &engine, &settings)?;
         if !self.shard.is_whole() {
             let end = run_shard(&engine, &settings, directory, self.shard, &execution)?;
-            let Shard { index, of } = self.shard;
-            return Ok(Reply::of_end(end, || {
-                format!("stopped; the same command continues part {index} of {of}")
-            }));
+            return Ok(Reply::of_part(end, self.shard));
         }
         Ok(
             match run_sweep(&engine, &settings, directory, &execution)? {
