@@ -184,7 +184,7 @@ def _class_for_torch() -> type[VoxelStream] | None:
 
 
 def _restored(state: dict[str, Any]) -> VoxelStream:
-    """A stream in another process, whose class is made there anew."""
+    """A stream in another process, which makes its class there again."""
     stream = object.__new__(_class_for_torch() or VoxelStream)
     stream.__dict__.update(state)
     return stream
@@ -208,7 +208,7 @@ class VoxelStream:
     batch
         Samples per batch; the last batch may have fewer
     shuffle
-        Whether every epoch has an order of its own; by default for the training part only
+        Whether every epoch has another order; by default for the training part only
     seed
         Seed of the order
     split_seed, fractions, split_by, least_samples, number_classes
@@ -234,7 +234,7 @@ class VoxelStream:
     """
 
     def __new__(cls, *_arguments: Any, **_named: Any) -> VoxelStream:
-        # A class of its own for torch, because a loader asks for the type.
+        # A separate class for torch, because a loader asks for the type.
         return object.__new__((_class_for_torch() or cls) if cls is VoxelStream else cls)
 
     def __init__(

@@ -102,7 +102,7 @@ fn rods_of_two_lengths_have_their_mean_length() {
     assert_mean(&lengths, exact, 0.003, "length");
 }
 
-/// Moves decide by remembered directions, `overlaps` looks at every pair anew; pieces and convex bodies side by side.
+/// Moves decide by remembered directions, `overlaps` looks at every pair again; bodies of several pieces are among those of one.
 #[test]
 fn dense_mixtures_stay_free_of_overlaps_and_go_on_from_their_state() {
     let square_from =
