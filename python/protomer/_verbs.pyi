@@ -1048,6 +1048,7 @@ def binding(
     inner_permittivity: float | str | None = None,
     outer_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
     model: Literal["natural-1", "solution-1", "solution-2", "thesis"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,

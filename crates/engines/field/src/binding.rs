@@ -17,7 +17,12 @@
 //!
 //! D = D(h) + (D(h) - D(s h)) / (s² - 1).
 //!
-//! Other charges. The energies are quadratic in the charges. A change dq in one part changes ΔG by
+//! Ions that follow Boltzmann factors. The dielectric model says how ions respond. With Boltzmann
+//! factors ([`IonResponse::Boltzmann`]) highly charged parts hold more ions than the linear equation
+//! lets them, and their attraction depends less on the salt. Grids and differences stay the same.
+//!
+//! Other charges. With ions that respond in proportion the energies are quadratic in the charges. A
+//! change dq in one part changes ΔG by
 //!
 //! dq · (φ_complex - φ_part) + W_complex(dq) - W_part(dq),
 //!
@@ -27,9 +32,8 @@
 use crate::charged_sphere::ChargedSphere;
 use crate::dielectric::DielectricModel;
 use crate::grid::Grid;
-use crate::poisson_boltzmann::{
-    ChargedSolute, Potential, SoluteOnGrid, SolveSettings, grid_around,
-};
+use crate::ion_response::IonResponse;
+use crate::poisson_boltzmann::{ChargedSolute, Potential, SoluteOnGrid, SolveSettings, grid_for};
 use crate::surface::surface_of;
 use crate::{FieldError, Result};
 use protomer_kernel::{Electrolyte, Vec3};
@@ -151,8 +155,8 @@ impl BoundPair<'_> {
     /// ```
     ///
     /// # Errors
-    /// As [`solve`](crate::solve), for electrolytes that differ in more than their salt, and those of
-    /// `solved`.
+    /// As [`solve`](crate::solve), for electrolytes that differ in more than their salt, for added
+    /// charges among ions that follow Boltzmann factors, and those of `solved`.
     pub fn binding_energy<E: From<FieldError>>(
         &self,
         electrolytes: &[Electrolyte],
@@ -169,6 +173,11 @@ impl BoundPair<'_> {
                 requirement: "0.05 to 0.9 Å, so that a second grid can be coarser",
             }));
         }
+        if !added.is_empty() && self.dielectric.ion_response != IonResponse::Linear {
+            let reason = "the effect of added charges rests on the linear equation; leave them out, or \
+                          use ions that respond in proportion";
+            return Err(FieldError::BadInput(reason.into()).into());
+        }
         let dielectric = DielectricModel {
             electrolyte: *first,
             ..*self.dielectric
@@ -177,8 +186,8 @@ impl BoundPair<'_> {
         let settings = self.settings_of_grids(electrolytes);
         // Both grids around the complex: parts are solved on its points, so that errors cancel.
         let grids = [
-            grid_around(&complex, &settings[0])?,
-            grid_around(&complex, &settings[1])?,
+            grid_for(&complex, &settings[0], dielectric.ion_response)?,
+            grid_for(&complex, &settings[1], dielectric.ion_response)?,
         ];
         let mut solve = |spheres: &[ChargedSphere], is_wanted: &dyn Fn(&AddedCharges) -> bool| {
             let work = Work {
@@ -512,6 +521,57 @@ mod tests {
                 "{factor}: {change} {exact}"
             );
         }
+    }
+
+    /// The slow twin: complex and parts solved one by one, each on a grid of its size.
+    #[test]
+    fn boltzmann_factors_weaken_the_effect_of_salt_on_high_charges() {
+        let salts = [water(0.05), water(0.5)];
+        let parts = [[sphere(0.0, 8.0, 12.0)], [sphere(16.5, 8.0, -12.0)]];
+        let effect = |ion_response: IonResponse| {
+            let dielectric = DielectricModel {
+                ion_response,
+                ..DielectricModel::new(salts[0])
+            };
+            let pair = BoundPair {
+                parts: [&parts[0], &parts[1]],
+                dielectric: &dielectric,
+                settings: &COARSE,
+            };
+            let mut nothing = || Ok::<(), FieldError>(());
+            let found = pair.binding_energy(&salts, &[], &mut nothing).unwrap();
+            let added = [AddedCharges {
+                part: 0,
+                charges: parts[0].to_vec(),
+            }];
+            let responses = pair.binding_energy(&salts[..1], &added, &mut nothing);
+            assert_eq!(responses.is_ok(), ion_response == IonResponse::Linear);
+            found.at_salts[1].salt_effect_kt
+        };
+        let boltzmann = IonResponse::Boltzmann(crate::SaltValence::ONE_TO_ONE);
+        let one_by_one = |spheres: &[ChargedSphere], electrolyte: Electrolyte| {
+            let dielectric = DielectricModel {
+                ion_response: boltzmann,
+                ..DielectricModel::new(electrolyte)
+            };
+            let settings = SolveSettings {
+                spacing_angstrom: 0.6,
+                margin_angstrom: 30.0,
+                ..COARSE
+            };
+            let solved = crate::solve(spheres, &dielectric, &settings).unwrap();
+            solved.solvation_energy_kt
+        };
+        let difference = |spheres: &[ChargedSphere]| {
+            one_by_one(spheres, salts[1]) - one_by_one(spheres, salts[0])
+        };
+        let exact = difference(&parts.concat()) - difference(&parts[0]) - difference(&parts[1]);
+        let (nonlinear, linear) = (effect(boltzmann), effect(IonResponse::Linear));
+        assert!(
+            (nonlinear / exact - 1.0).abs() < 0.02,
+            "{nonlinear} {exact}"
+        );
+        assert!(nonlinear < 0.95 * linear, "{nonlinear} {linear}");
     }
 
     #[test]

@@ -44,6 +44,7 @@ mod transfer;
 
 pub use error_estimate::error_estimate_kt;
 pub use potential::Potential;
+pub(crate) use settings::grid_for;
 pub use settings::{BoundaryCondition, SolveSettings, grid_around};
 pub use solute_on_grid::{ChargedSolute, SoluteOnGrid};
 
@@ -57,7 +58,7 @@ use crate::{FieldError, Result};
 use newton::Faces;
 use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
-use settings::{check_range, coarse_grid_around, grid_for};
+use settings::{check_range, coarse_grid_around};
 use solute_on_grid::{solve_once, superposed_on_faces};
 
 /// Solves for the potential of these spheres.

@@ -159,7 +159,7 @@ pub fn grid_around(spheres: &[ChargedSphere], settings: &SolveSettings) -> Resul
 }
 
 /// Variant of [`grid_around`] for ions of another response, whose solve takes more memory.
-pub(super) fn grid_for(
+pub(crate) fn grid_for(
     spheres: &[ChargedSphere],
     settings: &SolveSettings,
     ions: IonResponse,

@@ -2,12 +2,14 @@
 
 use crate::flags::body::{ChainGroupArgs, ProtonationArgs, SelectionArgs};
 use crate::flags::model::ModelArgs;
+use crate::flags::settings::choice;
 use crate::flags::terms::ContactArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer_common::{quantity, range};
+use protomer_field::IonModel;
 use protomer_protein_verbs::stability::binding::{BindingSettings, binding};
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_results::End;
@@ -63,6 +65,10 @@ pub struct BindingArgs {
     /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface.
     #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     ion_radius: f64,
+    /// Response of the ions: proportional to the potential, or by Boltzmann factors (the nonlinear
+    /// equation; about twice as slow).
+    #[arg(long, value_parser = choice::<IonModel>(), default_value = "linear")]
+    ions: IonModel,
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
@@ -105,6 +111,7 @@ impl BindingArgs {
             outer_permittivity: self.outer_permittivity,
             inner_permittivity: self.inner_permittivity,
             ion_radius_angstrom: self.ion_radius,
+            ions: self.ions,
             spacing_angstrom: self.spacing,
             margin_angstrom: self.margin,
             integrates: !self.no_kd,

@@ -3,12 +3,14 @@
 use super::result::{Binding, BindingCondition, ExchangeRow};
 use crate::stability::affinity::ERROR_KCAL_PER_MOL;
 use protomer_common::answer::{Answer, columns, counted, heading};
+use protomer_field::IonModel;
 
 impl Answer for Binding {
     fn text(&self) -> String {
         let mut parts = vec![
             self.bodies_in_words(),
             self.interface_in_words(),
+            self.ions_in_words(),
             self.table(),
             self.affinity_in_words(),
         ];
@@ -46,6 +48,14 @@ impl Binding {
             "{contacts}, closest atoms {:.2} Å apart, hard bodies overlap: {overlaps}",
             self.closest_angstrom
         )
+    }
+
+    fn ions_in_words(&self) -> String {
+        match self.ions {
+            IonModel::Linear => "charge part: linear Poisson-Boltzmann equation",
+            IonModel::Boltzmann => "charge part: Poisson-Boltzmann equation with Boltzmann factors",
+        }
+        .into()
     }
 
     fn table(&self) -> String {

@@ -11,8 +11,8 @@ use crate::stability::affinity::{ContactAffinity, ERROR_KCAL_PER_MOL};
 use crate::stability::model::OWN_TERMS;
 use crate::stability::residues::{Change, ResidueName};
 use anyhow::Result;
-use protomer_field::Grid;
 use protomer_field::binding::BindingEnergy;
+use protomer_field::{Grid, IonModel};
 use protomer_results::Execution;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -61,6 +61,8 @@ pub struct Binding {
     pub inner_permittivity: f64,
     /// Distance of the centres of ions from the atoms, Å.
     pub ion_radius_angstrom: f64,
+    /// Response of the ions to the potential.
+    pub ions: IonModel,
     /// The fine grid.
     pub grid: Option<Grid>,
     /// Warnings about the results.
@@ -167,6 +169,7 @@ impl Binding {
             temperature_kelvin: settings.temperature_kelvin,
             inner_permittivity: settings.inner_permittivity,
             ion_radius_angstrom: settings.ion_radius_angstrom,
+            ions: settings.ions,
             grid: None,
             warnings: inputs.warnings.clone(),
         }

@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use protomer_body::chemistry::{StructureProtonation, StructureTitration};
 use protomer_body::structure::SelectionSettings;
 use protomer_common::range;
-use protomer_field::{DielectricModel, SolveSettings};
+use protomer_field::{DielectricModel, IonModel, SaltValence, SolveSettings};
 use protomer_kernel::{Electrolyte, Pose};
 use std::path::PathBuf;
 
@@ -44,6 +44,8 @@ pub struct BindingSettings {
     pub inner_permittivity: f64,
     /// Distance of the centres of ions from the atoms, Å.
     pub ion_radius_angstrom: f64,
+    /// Response of the ions to the potential.
+    pub ions: IonModel,
     /// Spacing of the fine grid, Å.
     pub spacing_angstrom: f64,
     /// Least distance of the atoms from the faces of the fine grid, Å.
@@ -73,6 +75,7 @@ impl Default for BindingSettings {
             outer_permittivity: None,
             inner_permittivity: 2.0,
             ion_radius_angstrom: 2.0,
+            ions: IonModel::Linear,
             spacing_angstrom: Self::SPACING_ANGSTROM,
             margin_angstrom: Self::MARGIN_ANGSTROM,
             integrates: true,
@@ -95,6 +98,12 @@ impl BindingSettings {
     pub fn electrolytes(&self) -> Result<Vec<Electrolyte>> {
         if self.salt_molar.is_empty() {
             bail!("the salt is not known; add --salt 50mM,150mM");
+        }
+        if self.exchanges && self.ions != IonModel::Linear {
+            bail!(
+                "--exchanges rests on energies that are quadratic in the charges; leave out --ions \
+                 boltzmann, or compare two runs with and without the exchange"
+            );
         }
         for ph in &self.ph {
             range::PH.require("ph", *ph)?;
@@ -126,6 +135,7 @@ impl BindingSettings {
         DielectricModel {
             inner_permittivity: self.inner_permittivity,
             ion_radius_angstrom: self.ion_radius_angstrom,
+            ion_response: self.ions.with(SaltValence::ONE_TO_ONE),
             ..DielectricModel::new(electrolyte)
         }
     }
