@@ -1082,6 +1082,7 @@ def score(
     ph: float | str | None = None,
     protonation: Literal["water", "structure"] | None = None,
     anion_binding: float | str | None = None,
+    concentration: float | str | None = None,
     temperature: float | str | None = None,
     model: Literal["natural-1", "solution-1", "solution-2", "thesis"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,

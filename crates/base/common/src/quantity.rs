@@ -150,7 +150,17 @@ pub fn concentration_list(text: &str) -> Result<Vec<f64>> {
     text.split(',').map(concentration_molar).collect()
 }
 
-fn concentration_molar(text: &str) -> Result<f64> {
+/// Reads a concentration of bodies, mol/L.
+///
+/// ```
+/// use protomer_common::quantity::concentration_molar;
+/// assert!((concentration_molar("50nM")? - 5e-8).abs() < 1e-20);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+///
+/// # Errors
+/// Says what is wrong, and what a concentration looks like.
+pub fn concentration_molar(text: &str) -> Result<f64> {
     const UNITS: [(&str, i32); 7] = [
         ("pM", -12),
         ("nM", -9),

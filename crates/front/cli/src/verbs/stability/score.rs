@@ -50,6 +50,9 @@ pub struct ScoreArgs {
     ph: Option<f64>,
     #[command(flatten)]
     protonation: ProtonationArgs,
+    /// Total concentration of each partner, for the columns half-salt.
+    #[arg(long, default_value = "1uM", allow_hyphen_values = true, value_parser = quantity::concentration_molar)]
+    concentration: f64,
     /// Temperature, K.
     #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
@@ -57,7 +60,7 @@ pub struct ScoreArgs {
     model: ModelArgs,
     #[command(flatten)]
     attraction: ContactArgs,
-    /// Spacing of the fine grid of the columns slope, kd and exchange, Å.
+    /// Spacing of the fine grid of the columns slope, kd, half-salt and exchange, Å.
     #[arg(long, default_value_t = BindingSettings::SPACING_ANGSTROM, allow_negative_numbers = true, value_parser = range::FINE_SPACING.number())]
     spacing: f64,
     /// Seed of the random numbers of the column kd.
@@ -127,6 +130,7 @@ impl ScoreArgs {
             salt_molar: quantity::salt_list(&self.salt)?,
             ph: self.ph,
             titration: self.protonation.titration_over(model.titration())?,
+            concentration_molar: self.concentration,
             temperature_kelvin: self.temperature,
             model,
             contacts: self

@@ -103,7 +103,10 @@ fn measure(
         .collect();
     match expensive.is_empty() {
         true => Ok(End::Finished(())),
-        false => solved::measure(&expensive, &binding, record, execution),
+        false => {
+            let conditions = (&binding, settings.concentration_molar);
+            solved::measure(&expensive, conditions, record, execution)
+        }
     }
 }
 

@@ -55,6 +55,7 @@ pub(super) fn columns(measure: Measure, pose: &Pose) -> Result<Vec<(String, Valu
         | Measure::Energy
         | Measure::Slope
         | Measure::Kd
+        | Measure::HalfSalt
         | Measure::Exchange => Vec::new(),
     })
 }

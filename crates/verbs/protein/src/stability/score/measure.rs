@@ -25,6 +25,8 @@ protomer_kernel::choices! {
         Slope = "slope",
         /// Dissociation constants: calibrated, with the effect of the salt, and integrated over the poses nearby.
         Kd = "kd",
+        /// Share that is bound at each salt and at the concentration, and the salt at which half is.
+        HalfSalt = "half-salt",
         /// B22 of each body with copies of itself, and whether it attracts or repels them.
         B22 = "b22",
         /// The exchange of charge that would strengthen the complex most, by the Poisson-Boltzmann equation.
@@ -46,6 +48,9 @@ impl Measure {
 
     /// Whether the group needs the Poisson-Boltzmann equation or the integration.
     pub fn is_solved(self) -> bool {
-        matches!(self, Self::Slope | Self::Kd | Self::Exchange)
+        matches!(
+            self,
+            Self::Slope | Self::Kd | Self::HalfSalt | Self::Exchange
+        )
     }
 }

@@ -20,6 +20,7 @@
 //! | `energies` | columns of the model's energy |
 //! | `self_attraction` | columns of the parts with their own kind |
 //! | `solved` | columns of the Poisson-Boltzmann equation and of the integrated K_D |
+//! | `half_salt` | the salt at which half of a complex is bound |
 //! | `complex` | one complex, from its files to its record |
 //! | `table` | the table of all complexes |
 //! | `result` | the answer in words and files |
@@ -31,6 +32,7 @@ mod confidence;
 mod energies;
 pub mod figure;
 mod geometry;
+mod half_salt;
 mod measure;
 pub mod page;
 mod reality;

@@ -37,6 +37,12 @@ pub struct ScoreSettings {
     /// Titration of structure files at the first salt; pKa values in water for `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub titration: Option<StructureTitration>,
+    /// Total concentration of each partner, mol/L, for the salt of half binding.
+    #[serde(
+        rename = "concentration_M",
+        skip_serializing_if = "is_default_concentration"
+    )]
+    pub concentration_molar: f64,
     /// Temperature, K.
     #[serde(rename = "temperature_K")]
     pub temperature_kelvin: f64,
@@ -62,6 +68,7 @@ impl Default for ScoreSettings {
             salt_molar: vec![0.15],
             ph: None,
             titration: model.titration(),
+            concentration_molar: Self::CONCENTRATION_MOLAR,
             temperature_kelvin: 298.15,
             model,
             contacts: model.contacts(),
@@ -83,7 +90,16 @@ impl Settings for ScoreSettings {
     }
 }
 
+/// Whether the concentration is left out of `run.toml`, as directories of earlier versions do.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn is_default_concentration(concentration_molar: &f64) -> bool {
+    *concentration_molar == ScoreSettings::CONCENTRATION_MOLAR
+}
+
 impl ScoreSettings {
+    /// Default of [`Self::concentration_molar`].
+    pub const CONCENTRATION_MOLAR: f64 = 1e-6;
+
     /// Refuses settings that make no sense.
     ///
     /// # Errors
@@ -101,6 +117,11 @@ impl ScoreSettings {
         if self.columns.contains(&Measure::Slope) && !self.has_two_salts() {
             bail!(
                 "the column slope needs two salt concentrations; give them with --salt 50mM,500mM"
+            );
+        }
+        if self.columns.contains(&Measure::HalfSalt) && !self.has_two_salts() {
+            bail!(
+                "the column half-salt needs two salt concentrations; give them with --salt 50mM..1M/4"
             );
         }
         if self.columns.iter().any(|measure| measure.is_solved()) {

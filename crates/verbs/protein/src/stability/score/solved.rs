@@ -3,8 +3,10 @@
 use super::Measure;
 use super::complex::Pose;
 use super::geometry::PROBE_ANGSTROM;
+use super::half_salt::{self, Dissociation};
 use super::record::{ScoreRecord, number};
 use super::settings::salt_in_heading;
+use crate::stability::affinity::ERROR_KCAL_PER_MOL;
 use crate::stability::binding::{Binding, BindingCondition, BindingSettings, binding};
 use crate::stability::residues::ResidueName;
 use anyhow::Result;
@@ -20,7 +22,7 @@ use serde_json::Value;
 /// As [`binding`].
 pub(super) fn measure(
     measures: &[Measure],
-    settings: &BindingSettings,
+    (settings, concentration_molar): (&BindingSettings, f64),
     record: &mut ScoreRecord,
     execution: &Execution,
 ) -> Result<End<()>> {
@@ -37,6 +39,9 @@ pub(super) fn measure(
         let values = match measure {
             Measure::Slope => slope(&found),
             Measure::Kd => constants(&found, settings.temperature_kelvin),
+            Measure::HalfSalt => {
+                half_binding(&found, settings.temperature_kelvin, concentration_molar)
+            }
             _ => exchange(&found, &Pose::read(&settings)?)?,
         };
         record.add(*measure, values);
@@ -78,6 +83,28 @@ fn constants(found: &Binding, temperature_kelvin: f64) -> Vec<(String, Value)> {
         ]
     };
     found.conditions.iter().flat_map(of_salt).collect()
+}
+
+/// The salt of half binding, from the calibrated energy at each salt.
+fn half_binding(
+    found: &Binding,
+    temperature_kelvin: f64,
+    concentration_molar: f64,
+) -> Vec<(String, Value)> {
+    let kcal_per_mol = kilojoule_per_mol_per_kt(temperature_kelvin) / KILOJOULES_PER_KILOCALORIE;
+    let constants: Vec<Dissociation> = found
+        .conditions
+        .iter()
+        .map(|condition| Dissociation {
+            salt_molar: condition.salt_molar,
+            ln_kd: condition.delta_g_kcal_per_mol / kcal_per_mol,
+        })
+        .collect();
+    half_salt::columns(
+        &constants,
+        ERROR_KCAL_PER_MOL / kcal_per_mol,
+        concentration_molar,
+    )
 }
 
 /// The exchange that strengthens the complex most, of residues that still touch the solvent.
