@@ -31,7 +31,7 @@ from ._body import Body
 from . import dynamics, structure
 from ._sets import VoxelSet, VoxelStream
 from ._log import read_log
-from .simulation import AssemblySimulation, ContactDynamics, HardBodies, Simulation
+from .simulation import AssemblySimulation, ContactDynamics, HardBodies, LatticeSimulation, Simulation
 from .results import *  # noqa: F403
 from .results import __all__ as _result_names
 
@@ -46,6 +46,7 @@ __all__ = [
     "Frame",
     "GeometryError",
     "HardBodies",
+    "LatticeSimulation",
     "MissingFileError",
     "ParseError",
     "PartialError",

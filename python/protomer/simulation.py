@@ -6,7 +6,7 @@
 >>> squares.positions.shape, squares.sweep
 ((100, 2), 50)
 
-`HardBodies` is the engine of ``hpmc run``, `ContactDynamics` that of ``md run``: they take the settings of the verb as
+`HardBodies` is the engine of ``hpmc run``, `ContactDynamics` that of ``md run``, `LatticeSimulation` that of ``lattice run``: they take the settings of the verb as
 keywords, under the names that its ``run.toml`` has. `AssemblySimulation` is that of ``simulate`` and takes its keywords.
 """
 
@@ -32,7 +32,7 @@ Numbers = NDArray[np.float64]
 
 
 class Simulation:
-    """Bodies that move when `run` is called; the common part of `HardBodies` and `ContactDynamics`.
+    """Bodies that move when `run` is called; the common part of `HardBodies`, `ContactDynamics` and `LatticeSimulation`.
 
     The arrays of the state (`positions`, `orientations`, ...) are made once. `run`, `place` and `restore` fill them
     again, so a name that is bound to one of them always shows the present state; keep a `.copy()` of what shall stay.
@@ -329,6 +329,74 @@ class ContactDynamics(Simulation):
     def spins(self) -> Numbers:
         """Angular momenta in the frame of each body; in a plane the third number."""
         return self._views["spins"]
+
+
+class LatticeSimulation(Simulation):
+    """Rigid squares joined by rods, the engine of ``lattice run``, in memory.
+
+    Parameters
+    ----------
+    positions, angles, velocities, spins
+        Squares to begin with, row by row of the lattice: centres, angles in radians, and their rates. They are brought onto the
+        rods, and refused where that moves them by more than 0.001. Without velocities the squares get those of the settings; without
+        positions they begin as the verb begins them
+    settings
+        Keys of the verb's ``run.toml``: `rows`, `columns`, `r0`, `edges`, `kappa`, `temperature`, `friction`, `seed`, ...
+
+    >>> import protomer as pm
+    >>> lattice = pm.LatticeSimulation(rows=4, columns=4, r0=0.5, time_step=0.01)
+    >>> _ = lattice.run(50)
+    >>> round(lattice.time, 9), lattice.angles.shape
+    (0.5, (16,))
+    """
+
+    _kind = "lattice"
+
+    def __init__(
+        self,
+        *,
+        positions: ArrayLike | None = None,
+        angles: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+        spins: ArrayLike | None = None,
+        **settings: Any,
+    ) -> None:
+        arrays = {"positions": positions, "angles": angles, "velocities": velocities, "spins": spins}
+        super().__init__({name: str(value) if isinstance(value, Path) else value for name, value in settings.items()}, arrays)
+
+    @property
+    def step(self) -> int:
+        """Steps done."""
+        return self.done
+
+    @property
+    def time(self) -> float:
+        """Time, from the start of the simulation."""
+        return float(str(dict(self._native._measure())["time"]))
+
+    @property
+    def orientations(self) -> Numbers:
+        """Quaternions with the scalar first, a row for each square; computed from the angles and not kept."""
+        half = 0.5 * self.angles
+        zero = np.zeros_like(half)
+        return np.column_stack([np.cos(half), zero, zero, np.sin(half)])
+
+    @property
+    def angles(self) -> Numbers:
+        """Angles of the squares, radians."""
+        angles: Numbers = self._views["angles"][:, 0]
+        return angles
+
+    @property
+    def velocities(self) -> Numbers:
+        """Velocities of the centres, a row of two numbers for each square."""
+        return self._views["velocities"]
+
+    @property
+    def spins(self) -> Numbers:
+        """Rates of the angles."""
+        spins: Numbers = self._views["spins"][:, 0]
+        return spins
 
 
 class AssemblySimulation(Simulation):

@@ -6,6 +6,7 @@ use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use protomer_common::live::{Arrays, Column, Live, Rows};
 use protomer_common::remedy;
 use protomer_io::gsd::FrameWriter;
+use protomer_linkage_verbs::lattice;
 use protomer_shape_verbs::{dynamics, hard_bodies};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -41,6 +42,7 @@ impl LiveSimulation {
             match kind.as_str() {
                 "hard bodies" => hard_bodies::live::hard_bodies(&settings, arrays),
                 "dynamics" => dynamics::live::dynamics(&settings, arrays),
+                "lattice" => lattice::live::lattice(&settings, arrays),
                 _ => bail!("there is no simulation of {kind}"),
             }
         };

@@ -268,3 +268,49 @@ def test_the_page_about_own_loops_runs(tmp_path, monkeypatch, capsys):
             exec(compile(block, "own-loop.md", "exec"), names)
         else:
             assert capsys.readouterr().out == block
+
+
+def test_a_lattice_in_memory_gives_the_states_of_the_verb(tmp_path):
+    hoomd = pytest.importorskip("gsd.hoomd")
+    fl = pytest.importorskip("gsd.fl")
+    settings = {"rows": 4, "columns": 4, "r0": 0.5}
+    pm.lattice.run(ns=4, r0=0.5, steps=200, trajectory_every=100, output=tmp_path / "run")
+    lattice = pm.LatticeSimulation(**settings)
+    angles = lattice.angles
+    lattice.run(200)
+    assert lattice.step == 200
+    assert angles is not lattice.angles and np.shares_memory(angles, lattice.angles), "filled again, not copied"
+    with fl.open(str(tmp_path / "run" / "trajectory.gsd"), "r") as file:
+        last = file.read_chunk(frame=file.nframes - 1, name="log/positions")
+    assert np.array_equal(np.column_stack([lattice.positions, lattice.angles]), last)
+
+    lattice.write_to(tmp_path / "own")
+    row = lattice.log()
+    lattice.frame()
+    assert row["step"] == 200 and row["rod_violation"] < 1e-9
+    # Its file starts a run of the verb, which adds the velocities of its settings.
+    found = pm.lattice.run(
+        ns=4, r0=0.5, state=tmp_path / "own" / "trajectory.gsd", velocities="rest", steps=10, output=tmp_path / "next"
+    )
+    assert found.energy == pytest.approx(0.0, abs=1e-12)
+    # Another program's file has single precision and no log.
+    with hoomd.open(str(tmp_path / "own" / "trajectory.gsd"), "r") as file:
+        frame = file[0]
+    bare = hoomd.Frame()
+    bare.particles.N = 16
+    bare.particles.types = ["square"]
+    bare.particles.typeid = np.zeros(16)
+    bare.particles.position = frame.particles.position[:16]
+    bare.particles.orientation = frame.particles.orientation[:16]
+    bare.configuration.box = frame.configuration.box
+    with hoomd.open(str(tmp_path / "bare.gsd"), "w") as file:
+        file.append(bare)
+    started = pm.LatticeSimulation(**settings, state=tmp_path / "bare.gsd")
+    assert np.allclose(started.positions, lattice.positions, atol=1e-5)
+
+    with pytest.raises(pm.ProtomerError, match="off their rods"):
+        pm.LatticeSimulation(rows=4, columns=4, r0=0.7, state=tmp_path / "bare.gsd")
+    with pytest.raises(pm.ProtomerError, match="there are no angles"):
+        pm.LatticeSimulation(**settings, positions=lattice.positions)
+    with pytest.raises(pm.ProtomerError, match="--rows and --columns"):
+        pm.LatticeSimulation(**settings, positions=[[0, 0]], angles=[0])

@@ -227,6 +227,46 @@ impl Start {
         }
     }
 
+    /// Brings a state from elsewhere onto the rods. Velocities are those of the state, or drawn as for [`build`](Start::build).
+    ///
+    /// ```
+    /// use protomer_linkage::lattice::{Edges, Network, Square, Start, State};
+    /// let network = Network::lattice(2, 2, 1.0, Square::default(), Edges::Open, 0.5)?;
+    /// let mut state = State::coherent(&network, 0.5);
+    /// state.positions[0] += 1e-6;
+    /// let started = Start::default().build_from(&network, state, false)?;
+    /// assert!((started.state.positions[2] - 0.5).abs() < 1e-6);
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`build`](Start::build), and those of [`State::check`].
+    pub fn build_from(
+        &self,
+        network: &Network,
+        mut state: State,
+        has_velocities: bool,
+    ) -> Result<Started> {
+        network.check()?;
+        self.check()?;
+        state.check(network)?;
+        let mut projector = Projector::new(network);
+        projector.positions(&mut state.positions)?;
+        if has_velocities {
+            projector.velocities(&state.positions, &mut state.velocities)?;
+        } else {
+            self.set_velocities(network, 0, &mut projector, &mut state)?;
+        }
+        state.check(network)?;
+        Ok(Started {
+            angle_spread_drawn: 0.0,
+            angle_spread_reached: incoherent_spread(network, &state.positions),
+            sum_of_squares: sum_of_squares(&state.velocities),
+            discarded_draws: 0,
+            state,
+        })
+    }
+
     fn check(&self) -> Result<()> {
         require_finite("angle", self.angle)?;
         require_not_negative("angle_spread", self.angle_spread)?;

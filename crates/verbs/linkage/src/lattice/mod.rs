@@ -9,6 +9,8 @@
 //! |---|---|
 //! | [`settings`] | the settings of a run |
 //! | [`potential_table`] | a potential of an angle as a table |
+//! | [`given_state`] | squares where another simulation left them |
+//! | [`live`] | a lattice in memory |
 //! | [`limits`] | the values that settings may have |
 //! | [`start`] | network, initial state and time step from the settings |
 //! | [`log`], [`trajectory`], [`directory`] | the files of a run |
@@ -29,7 +31,9 @@ pub mod directory;
 pub mod divergence;
 pub mod elastic;
 pub mod exponent;
+pub mod given_state;
 pub mod limits;
+pub mod live;
 pub mod log;
 pub mod page;
 pub mod potential_table;

@@ -13,7 +13,7 @@ use super::log::LogRow;
 use super::settings::{LatticeSettings, TimeStep};
 use super::start::{Begun, begin_unless, is_stopped, time_step};
 use super::trajectory::{frame, open_trajectory};
-use anyhow::{Error, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::settings::is_default;
 use protomer_io::gsd::FrameWriter;
@@ -21,10 +21,10 @@ use protomer_linkage::CrystalError;
 use protomer_linkage::lattice::angle_potential::openings;
 use protomer_linkage::lattice::paper::PaperStatistics;
 use protomer_linkage::lattice::{Mover, State};
-use protomer_results::checkpoint::require_lengths;
+use protomer_results::checkpoint::{self, require_lengths};
 use protomer_results::{
-    CHECKPOINT, End, Execution, Interrupt, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run,
-    Turn, Work, drive, log, settings,
+    CHECKPOINT, End, Execution, Interrupt, Layout, Log, LogMark, Record, ResultKind,
+    ResultsDirectory, Run, Turn, Work, drive, log, settings,
 };
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -231,6 +231,25 @@ impl fmt::Display for StepTooLong {
 }
 
 impl std::error::Error for StepTooLong {}
+
+/// The last state of the run in a directory.
+///
+/// # Errors
+/// If there is no run, or it has not begun.
+pub(super) fn saved_state(directory: &Path) -> Result<State> {
+    ResultKind::LatticeRun.expect_in(directory)?;
+    let identity = Record::read(directory)?.map(|record| record.identity);
+    let path = directory.join(CHECKPOINT);
+    let kind = LatticeRun::CHECKPOINT_KIND;
+    let saved: Option<Saved> = checkpoint::read(&path, kind, &identity.unwrap_or_default())?;
+    let saved = saved.with_context(|| {
+        format!(
+            "{} has no checkpoint yet; give a run that has begun, or a GSD file",
+            directory.display()
+        )
+    })?;
+    Ok(saved.state)
+}
 
 /// A run whose settings have been checked.
 struct LatticeRun<'a> {
@@ -470,7 +489,7 @@ impl Run for LatticeRun<'_> {
             kind: ResultKind::LatticeRun,
             verb: "lattice run",
             identity: self.identity.clone(),
-            input_sha256: String::new(),
+            input_sha256: self.begun.input_sha256.clone(),
         }
     }
 

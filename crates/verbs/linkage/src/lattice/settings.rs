@@ -41,6 +41,11 @@ protomer_common::settings! {
         kappa: f64 = 0.0, in KAPPA;
         /// Boundary condition.
         edges: Edges = Edges::Open;
+        /// State to start from instead of a coherent lattice: a GSD file of any program, whose first particles are the squares,
+        /// or the directory of a run, whose velocities are kept.
+        state: Option<String>, otherwise "a coherent lattice", omit "is_default";
+        /// Frame of the GSD file to start from, counted from 0.
+        frame: Option<u64>, in STEPS, otherwise "the last", omit "is_default";
         /// Orientation at the start: open, closed, or an angle in radians.
         start: Start = Start::Named(NamedStart::Open), in Range::new(-PI, PI, "rad");
         /// Standard deviation of random angles added to the start, radians; short rods allow less.

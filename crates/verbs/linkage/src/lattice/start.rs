@@ -1,7 +1,8 @@
 //! From settings to a network, a state on its rods, and a time step.
 
+use super::given_state::GivenState;
 use super::settings::{LatticeSettings, NamedTimeStep, TimeStep};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use protomer_linkage::CrystalError;
 use protomer_linkage::lattice::time_step::automatic_time_step;
 use protomer_linkage::lattice::{Motion, Network, Started, State};
@@ -22,6 +23,8 @@ pub struct Begun {
     pub angle_spread: f64,
     /// Number of random starts that were discarded because squares overlapped.
     pub discarded_draws: u32,
+    /// Hash of the state from which it starts; empty for a coherent lattice.
+    pub input_sha256: String,
 }
 
 /// Builds the network of these settings and its initial state. Random angles are redrawn while
@@ -49,6 +52,13 @@ pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
 pub fn begin_unless(settings: &LatticeSettings, stops: &dyn Fn() -> bool) -> Result<Begun> {
     settings.check()?;
     let network = network(settings)?;
+    if let Some(state) = &settings.state {
+        let given = GivenState::read(state, settings.frame, network.squares.len())?;
+        return begun_on_rods(settings, network, &given);
+    }
+    if settings.frame.is_some() {
+        bail!("--frame is that of a file to start from; add --state FILE.gsd");
+    }
     let start = settings.first_state();
     let must_be_apart = settings.collisions && !settings.paper && settings.angle_spread > 0.0;
     let started = if must_be_apart {
@@ -56,20 +66,39 @@ pub fn begin_unless(settings: &LatticeSettings, stops: &dyn Fn() -> bool) -> Res
     } else {
         start.build_unless(&network, 0, stops)
     };
-    let Started {
-        state,
-        angle_spread_drawn,
-        angle_spread_reached,
-        discarded_draws,
-        ..
-    } = started.map_err(|error| with_advice(error, &network))?;
-    Ok(Begun {
-        network,
-        state,
-        angle_spread_drawn,
-        angle_spread: angle_spread_reached,
-        discarded_draws,
-    })
+    let started = started.map_err(|error| with_advice(error, &network))?;
+    Ok(Begun::new(network, started, String::new()))
+}
+
+/// Begins where squares are given.
+///
+/// # Errors
+/// As [`begin()`], and for squares that are off their rods.
+pub fn begin_from(settings: &LatticeSettings, given: &GivenState) -> Result<Begun> {
+    settings.check()?;
+    begun_on_rods(settings, network(settings)?, given)
+}
+
+fn begun_on_rods(
+    settings: &LatticeSettings,
+    network: Network,
+    given: &GivenState,
+) -> Result<Begun> {
+    let started = given.on_rods(&network, settings)?;
+    Ok(Begun::new(network, started, given.sha256()))
+}
+
+impl Begun {
+    fn new(network: Network, started: Started, input_sha256: String) -> Self {
+        Self {
+            network,
+            state: started.state,
+            angle_spread_drawn: started.angle_spread_drawn,
+            angle_spread: started.angle_spread_reached,
+            discarded_draws: started.discarded_draws,
+            input_sha256,
+        }
+    }
 }
 
 /// Whether the work was stopped on request.

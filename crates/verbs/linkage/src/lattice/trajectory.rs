@@ -55,7 +55,7 @@ fn sizes(network: &Network) -> (Vec<f64>, Vec<u32>) {
 }
 
 /// The data that is the same in every frame.
-fn header(network: &Network) -> Result<Vec<Chunk>> {
+pub(super) fn header(network: &Network) -> Result<Vec<Chunk>> {
     let (sizes, mut kinds) = sizes(network);
     let (mut names, mut shapes) = (Vec::new(), Vec::new());
     for (kind, size) in sizes.iter().enumerate() {
