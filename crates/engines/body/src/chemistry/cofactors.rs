@@ -273,4 +273,87 @@ mod tests {
             assert_eq!(charge(name), expected, "{name}");
         }
     }
+
+    /// Each molecule with the phosphorus atoms and the carboxylates of its formula in the chemical component dictionary, its
+    /// positive groups, and its charge near pH 7 (textbooks; ChEBI's species at pH 7.3 for coenzyme A 57287, thiamine diphosphate
+    /// 58937, pyridoxal phosphate 597326, citrate 16947, N-acetylneuraminate 35418).
+    const FORMULAS: &[(&[&str], usize, usize, usize, f64)] = &[
+        (&["HEM", "HEC"], 0, 2, 0, -2.0),
+        (
+            &[
+                "ATP", "GTP", "CTP", "UTP", "TTP", "DTP", "ANP", "ACP", "GNP", "GCP",
+            ],
+            3,
+            0,
+            0,
+            -4.0,
+        ),
+        (&["ADP", "GDP", "CDP", "UDP", "TYD"], 2, 0, 0, -3.0),
+        (
+            &["AMP", "5GP", "C5P", "U5P", "TMP", "FMN", "PLP"],
+            1,
+            0,
+            0,
+            -2.0,
+        ),
+        (&["NAD"], 2, 0, 1, -1.0),
+        (&["NAI", "FAD"], 2, 0, 0, -2.0),
+        (&["NAP"], 3, 0, 1, -3.0),
+        (&["NDP", "COA", "ACO"], 3, 0, 0, -4.0),
+        (&["TPP"], 2, 0, 1, -2.0),
+        (&["SAM"], 0, 1, 2, 1.0),
+        (&["SAH"], 0, 1, 1, 0.0),
+        (&["ACT", "FMT", "SIA", "SLB"], 0, 1, 0, -1.0),
+        (&["CIT", "FLC"], 0, 3, 0, -3.0),
+        (
+            &[
+                "NAG", "NDG", "NGA", "A2G", "BMA", "MAN", "GAL", "GLA", "GLC", "BGC", "FUC", "FUL",
+                "XYP",
+            ],
+            0,
+            0,
+            0,
+            0.0,
+        ),
+    ];
+
+    /// Every molecule of the table is among the formulas. Its negative groups are oxygens: two with -1 e for a carboxylate or a
+    /// phosphate with two bridges, three with -2 e for one with a single bridge. No atom is in two groups.
+    #[test]
+    fn groups_agree_with_the_formula_and_the_charge_of_each_molecule() {
+        for cofactor in COFACTORS {
+            for name in cofactor.names {
+                let formula = FORMULAS.iter().find(|formula| formula.0.contains(name));
+                let (_, phosphorus, carboxylates, positive, charge_e) = formula.unwrap();
+                assert_eq!(cofactor.charge_e(), *charge_e, "{name}");
+                let (mut negative_groups, mut positive_groups) = (0, 0);
+                let mut atoms: Vec<&str> = Vec::new();
+                for (members, charge_e) in cofactor.groups {
+                    atoms.extend(*members);
+                    let all = |elements: &[char]| {
+                        members
+                            .iter()
+                            .all(|atom| elements.iter().any(|element| atom.starts_with(*element)))
+                    };
+                    match (members.len(), *charge_e) {
+                        (2, -1.0) | (3, -2.0) => {
+                            assert!(all(&['O']), "{name} {members:?}");
+                            negative_groups += 1;
+                        }
+                        (1, 1.0) => {
+                            assert!(all(&['N', 'S']), "{name} {members:?}");
+                            positive_groups += 1;
+                        }
+                        _ => panic!("{name}: {members:?} with {charge_e} e"),
+                    }
+                }
+                assert_eq!(negative_groups, phosphorus + carboxylates, "{name}");
+                assert_eq!(positive_groups, *positive, "{name}");
+                let count = atoms.len();
+                atoms.sort_unstable();
+                atoms.dedup();
+                assert_eq!(atoms.len(), count, "{name}");
+            }
+        }
+    }
 }

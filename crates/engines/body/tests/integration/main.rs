@@ -8,6 +8,7 @@
     reason = "tests fail by panicking, and print figures"
 )]
 
+mod cofactors;
 mod common;
 mod small;
 mod solids;
