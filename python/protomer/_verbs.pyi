@@ -1043,6 +1043,7 @@ def binding(
     no_kd: bool = False,
     seed: int | str | None = None,
     exchanges: bool = False,
+    proton_uptake: bool = False,
     spacing: float | str | None = None,
     margin: float | str | None = None,
     inner_permittivity: float | str | None = None,

@@ -123,6 +123,56 @@ impl TitratingGroups {
         means
     }
 
+    /// Mean number of protons on all groups at a pH: a base has one in its charged form and with a bound ion,
+    /// an acid in its neutral form. It is the slope d(F/kT)/d pH / ln 10 of the free energy F of protonation
+    /// from the state without protons. A complex has more of them than its parts by the number Δν that they
+    /// take up on binding, and d log₁₀ K_D / d pH = Δν (Wyman, Adv. Protein Chem. 19, 223 (1964)).
+    ///
+    /// ```
+    /// # use protomer_field::titration::TitratingGroups;
+    /// # let groups = |shift_kt: f64| TitratingGroups {
+    /// #     model_pka: vec![4.0, 10.0],
+    /// #     charge_e: vec![-1.0, 1.0],
+    /// #     shift_kt: vec![shift_kt, 0.0],
+    /// #     tautomer_kt: vec![None; 2],
+    /// #     pair_kt: vec![0.0; 4],
+    /// #     tautomer_pair_kt: vec![0.0; 4],
+    /// #     bound_ion_weight: vec![0.0; 2],
+    /// #     ion_pair_factor: 1.0,
+    /// # };
+    /// // An acid with a pKa of 4 and a base of 10. Binding raises the pKa of the acid to 5.
+    /// let [apart, bound] = [groups(0.0), groups(10_f64.ln())];
+    /// assert!((apart.protons(4.0) - 1.5).abs() < 1e-5);
+    /// let taken_up = bound.protons(4.0) - apart.protons(4.0);
+    /// assert!((taken_up - (10.0 / 11.0 - 0.5)).abs() < 1e-5);
+    /// ```
+    pub fn protons(&self, ph: f64) -> f64 {
+        let charged = self.charged_shares(ph);
+        let mut protons = 0.0;
+        for (group, share) in charged.iter().enumerate() {
+            protons += match self.charge_e[group] > 0.0 {
+                true => share + (1.0 - share) * self.bound_ion_share(group, ph, &charged),
+                false => 1.0 - share,
+            };
+        }
+        protons
+    }
+
+    /// Share of the form with a bound ion among the two forms of a base without charge.
+    fn bound_ion_share(&self, group: usize, ph: f64, charged: &[f64]) -> f64 {
+        if self.bound_ion_weight[group] == 0.0 {
+            return 0.0;
+        }
+        let row = &self.pair_kt[group * self.len()..][..self.len()];
+        let field_kt: f64 = row
+            .iter()
+            .zip(charged)
+            .map(|(pair, mean)| pair * mean)
+            .sum();
+        let proton_kt = LN_10 * (ph - self.model_pka[group]);
+        logistic(self.bound_ion_exponent(group, proton_kt, field_kt))
+    }
+
     /// Free energy of the neutral form of a group by its tautomers, with all other groups neutral, less
     /// that in water, kT; zero for a group with one neutral form.
     pub fn neutral_form_kt(&self, group: usize) -> f64 {
@@ -161,15 +211,19 @@ impl TitratingGroups {
     /// ln(1 + K c e^-g). `proton_kt` is g in water, `field_kt` as in
     /// [`free_energy_kt`](Self::free_energy_kt).
     fn bound_ion_kt(&self, group: usize, proton_kt: f64, field_kt: f64) -> f64 {
-        let weight = self.bound_ion_weight[group];
-        if weight == 0.0 {
+        if self.bound_ion_weight[group] == 0.0 {
             return 0.0;
         }
-        // The pairs of the equilibrium hold once the factor; an ion feels the whole field.
-        let excess_kt = (self.ion_pair_factor - 1.0) * field_kt;
-        let exponent = weight.ln() - proton_kt + excess_kt;
+        let exponent = self.bound_ion_exponent(group, proton_kt, field_kt);
         // ln(1 + e^x) without overflow.
         exponent.max(0.0) + (-exponent.abs()).exp().ln_1p()
+    }
+
+    /// Logarithm of the weight of the form with an ion over the form without a proton.
+    fn bound_ion_exponent(&self, group: usize, proton_kt: f64, field_kt: f64) -> f64 {
+        // The pairs of the equilibrium hold once the factor; an ion feels the whole field.
+        let excess_kt = (self.ion_pair_factor - 1.0) * field_kt;
+        self.bound_ion_weight[group].ln() - proton_kt + excess_kt
     }
 
     /// Mean of the first group of a cluster: exact over the cluster, in the mean field of the others.

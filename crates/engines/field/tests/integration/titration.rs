@@ -105,6 +105,12 @@ fn random_groups(count: usize, strength_kt: f64) -> TitratingGroups {
 
 /// Share of the charged form of each group, from the sum over all states.
 fn exact_shares(groups: &TitratingGroups, ph: f64) -> Vec<f64> {
+    exact(groups, ph).1
+}
+
+/// Free energy from the state without charges (kT), and the share of the charged form of each group, from the sum
+/// over all states.
+fn exact(groups: &TitratingGroups, ph: f64) -> (f64, Vec<f64>) {
     let count = groups.len();
     let mut shares = vec![0.0; count];
     let mut sum = 0.0;
@@ -124,7 +130,51 @@ fn exact_shares(groups: &TitratingGroups, ph: f64) -> Vec<f64> {
             shares[group] += weight;
         }
     }
-    shares.iter().map(|share| share / sum).collect()
+    (-sum.ln(), shares.iter().map(|share| share / sum).collect())
+}
+
+/// Some of the groups, whose surroundings change by `shift_kt` each.
+fn part(whole: &TitratingGroups, range: std::ops::Range<usize>, shift_kt: f64) -> TitratingGroups {
+    let row = |row: usize| &whole.pair_kt[row * whole.len()..][range.clone()];
+    let count = range.len();
+    TitratingGroups {
+        model_pka: whole.model_pka[range.clone()].to_vec(),
+        charge_e: whole.charge_e[range.clone()].to_vec(),
+        shift_kt: whole.shift_kt[range.clone()]
+            .iter()
+            .map(|own| own + shift_kt)
+            .collect(),
+        tautomer_kt: vec![None; count],
+        pair_kt: range.clone().flat_map(row).copied().collect(),
+        tautomer_pair_kt: vec![0.0; count * count],
+        bound_ion_weight: vec![0.0; count],
+        ion_pair_factor: 1.0,
+    }
+}
+
+/// Two parts of four and three groups bind. The dissociation constant changes with the pH by the free energies of
+/// protonation, from sums over all states.
+#[test]
+fn protons_taken_up_on_binding_are_the_slope_of_the_dissociation_constant() {
+    let bound = random_groups(7, 4.0);
+    let parts = [part(&bound, 0..4, -0.8), part(&bound, 4..7, 0.5)];
+    let log10_kd = |ph: f64| {
+        let free: f64 = parts.iter().map(|part| exact(part, ph).0).sum();
+        (exact(&bound, ph).0 - free) / LN_10
+    };
+    let mut largest: f64 = 0.0;
+    for ph in [2.0, 4.0, 5.5, 8.0] {
+        let step = 1e-3;
+        let slope = (log10_kd(ph + step) - log10_kd(ph - step)) / (2.0 * step);
+        let free: f64 = parts.iter().map(|part| part.protons(ph)).sum();
+        let taken_up = bound.protons(ph) - free;
+        assert!(
+            (slope - taken_up).abs() < 1e-5,
+            "pH {ph}: {slope} {taken_up}"
+        );
+        largest = largest.max(taken_up.abs());
+    }
+    assert!(largest > 0.3, "{largest}");
 }
 
 #[test]
@@ -214,6 +264,9 @@ fn a_bound_anion_takes_its_share_of_a_group_alone() {
         for ph in [7.0, 9.5, 12.0] {
             let exact = 1.0 / (1.0 + 10_f64.powf(ph - 10.0) + weight);
             let found = base(weight).charged_shares(ph)[0];
+            // The form with the ion has its proton.
+            let protons = base(weight).protons(ph);
+            assert!((protons / (exact * (1.0 + weight)) - 1.0).abs() < 1e-9);
             assert!(
                 (found / exact - 1.0).abs() < 1e-9,
                 "{weight} {ph}: {found} {exact}"
@@ -249,4 +302,87 @@ fn capacitances_are_the_response_to_a_potential() {
     let alone = random_groups(1, 0.0);
     let share = alone.charged_shares(ph)[0];
     assert!((alone.capacitances_e2(ph)[0] - share * (1.0 - share)).abs() < 1e-3);
+}
+
+/// States of groups by Monte Carlo; calls `visit` after each sweep of flips.
+fn sample(groups: &TitratingGroups, ph: f64, sweeps: u64, mut visit: impl FnMut(&[bool])) {
+    let count = groups.len();
+    let tautomers_kt = |half_kt: f64| -(0.2 * (-half_kt).exp() + 0.8 * half_kt.exp()).ln();
+    let energy_kt = |states: &[bool]| {
+        let mut energy = 0.0;
+        for group in 0..count {
+            let others = |table: &[f64]| -> f64 {
+                let row = &table[group * count..][..count];
+                let charged = row.iter().zip(states).filter(|(_, state)| **state);
+                charged.map(|(value, _)| value).sum()
+            };
+            if states[group] {
+                energy += groups.charge_e[group] * LN_10 * (ph - groups.model_pka[group])
+                    + groups.shift_kt[group]
+                    + 0.5 * others(&groups.pair_kt);
+            } else if let Some(half_kt) = groups.tautomer_kt[group] {
+                energy += tautomers_kt(half_kt + others(&groups.tautomer_pair_kt));
+            }
+        }
+        energy
+    };
+    let mut states = vec![false; count];
+    let mut energy = energy_kt(&states);
+    let mut random = CounterRng::new(11, 0, 0);
+    for sweep in 0..sweeps {
+        for _ in 0..count {
+            // One group, or two that exchange their states.
+            let (first, second) = (random.index(count), random.index(count));
+            let mut trial = states.clone();
+            trial[first] = !trial[first];
+            if random.uniform() < 0.3 && second != first {
+                trial[second] = !trial[second];
+            }
+            let after = energy_kt(&trial);
+            if random.uniform().ln() < energy - after {
+                (states, energy) = (trial, after);
+            }
+        }
+        if sweep > sweeps / 20 {
+            visit(&states);
+        }
+    }
+}
+
+/// The dimer of HIV-1 protease and its two chains.
+#[test]
+#[ignore = "takes ten seconds: samples the protonation of a complex and its parts"]
+fn the_uptake_of_a_protein_is_the_slope_of_sampled_free_energies() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = folder.join("../../../data/structures/4e43.pdb.gz");
+    let bytes = read_maybe_gzip(&path, 1 << 30).unwrap();
+    let structure = Structure::read("4e43.pdb", &bytes[..]).unwrap();
+    let whole = structure.select(&SelectionSettings::default()).unwrap();
+    let solved = |chains: &[&str]| {
+        let sites = titratable_sites(&whole.only_chains(chains));
+        let model = TitrationModel::default();
+        let dielectric = model.dielectric(Electrolyte::in_water(298.15, 0.1).unwrap());
+        let energies = group_energies(&sites, &dielectric, &solve_settings(), &|| true).unwrap();
+        model.groups(&sites, &energies, 0.1)
+    };
+    let [complex, first, second] = [&["A", "B"][..], &["A"], &["B"]].map(solved);
+    for ph in [4.5, 6.0] {
+        // ln <exp(-ΔU)> of a small change of the pH both ways, in units of ln 10: the slope of the free energy.
+        let step = 0.05;
+        let slope = |groups: &TitratingGroups| {
+            let (mut up, mut down, mut visits) = (0.0, 0.0, 0.0);
+            sample(groups, ph, 40_000, |states| {
+                let charged = states.iter().zip(&groups.charge_e);
+                let charge_e: f64 = charged.filter(|(state, _)| **state).map(|(_, e)| e).sum();
+                up += (-LN_10 * step * charge_e).exp();
+                down += (LN_10 * step * charge_e).exp();
+                visits += 1.0;
+            });
+            ((down / visits).ln() - (up / visits).ln()) / (2.0 * step * LN_10)
+        };
+        let sampled = slope(&complex) - slope(&first) - slope(&second);
+        let found = complex.protons(ph) - first.protons(ph) - second.protons(ph);
+        println!("pH {ph}: taken up {found:.3}, slope of sampled free energies {sampled:.3}");
+        assert!((found - sampled).abs() < 0.1, "{found} {sampled}");
+    }
 }

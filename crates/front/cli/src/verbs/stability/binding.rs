@@ -50,6 +50,10 @@ pub struct BindingArgs {
     /// change, at the first salt: two more solves for each residue.
     #[arg(long)]
     exchanges: bool,
+    /// Find how many protons the bodies take up on binding, d log K_D / d pH, by titrations of the complex and of
+    /// each body at every salt.
+    #[arg(long)]
+    proton_uptake: bool,
     /// Spacing of the fine grid, Å; a second grid is 1.4 times coarser.
     #[arg(long, default_value_t = BindingSettings::SPACING_ANGSTROM, allow_negative_numbers = true)]
     spacing: f64,
@@ -117,6 +121,7 @@ impl BindingArgs {
             integrates: !self.no_kd,
             seed: self.seed,
             exchanges: self.exchanges,
+            proton_uptake: self.proton_uptake,
         })
     }
 }

@@ -59,6 +59,10 @@ impl Binding {
     }
 
     fn table(&self) -> String {
+        let has_uptake = self
+            .conditions
+            .iter()
+            .any(|condition| condition.protons_taken_up.is_some());
         let mut rows = vec![heading([
             "salt (M)",
             "pH",
@@ -70,8 +74,11 @@ impl Binding {
             "log10 K_D integrated (M)",
             "fast interaction (kT)",
         ])];
+        if has_uptake {
+            rows[0].push("protons taken up".into());
+        }
         for condition in &self.conditions {
-            rows.push(vec![
+            let mut row = vec![
                 format!("{:.4}", condition.salt_molar),
                 ph_in_words(condition.ph),
                 format!("{:.1}", condition.poisson_boltzmann_kt),
@@ -81,7 +88,11 @@ impl Binding {
                 format!("{:.1}", condition.delta_g_kcal_per_mol),
                 integrated_in_words(condition),
                 terms_in_words(condition),
-            ]);
+            ];
+            if let Some(protons) = condition.protons_taken_up {
+                row.push(format!("{protons:+.2}"));
+            }
+            rows.push(row);
         }
         columns(&rows)
     }

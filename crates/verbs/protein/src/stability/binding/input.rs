@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// The two bodies before they are charged.
 pub(in crate::stability) struct Inputs {
-    inputs: [Input; 2],
+    pub(super) inputs: [Input; 2],
     settings: BodySettings,
     /// The pH values; `None` for the charges of the files.
     pub ph: Vec<Option<f64>>,
@@ -24,13 +24,15 @@ pub(in crate::stability) struct Inputs {
     pub warnings: Vec<String>,
 }
 
-struct Input {
+/// One body before it is charged.
+pub(super) struct Input {
     name: String,
-    file: String,
-    content: Content,
+    pub(super) file: String,
+    pub(super) content: Content,
 }
 
-enum Content {
+/// Source of the charges of a body.
+pub(super) enum Content {
     /// Residues of a structure file, with its hash.
     Residues(Box<Selection>, String),
     /// A body file or a PQR file, with its own charges.

@@ -10,6 +10,7 @@
 //! | `estimate` | the calibrated estimate of the affinity against salt and pH |
 //! | `bound_state` | the dissociation constant of the pose by integration |
 //! | `fast` | the interaction of simulations for the pose, by terms |
+//! | `uptake` | protons taken up on binding |
 //! | `exchanges` | what single exchanges of charge at the interface would change |
 //! | `result` | the answer, as JSON has it |
 //! | `answer` | the answer in words |
@@ -23,6 +24,7 @@ pub(super) mod input;
 pub(super) mod interface;
 mod result;
 mod settings;
+mod uptake;
 
 pub use bound_state::BoundStateSummary;
 pub use result::{Binding, BindingCondition, BoundBody, ExchangeRow, SlopeAtPh};
@@ -38,6 +40,7 @@ use protomer_field::FieldError;
 use protomer_field::binding::{BindingEnergy, BoundPair};
 use protomer_kernel::Electrolyte;
 use protomer_results::{End, Execution};
+use uptake::ProtonUptake;
 
 /// The charge part of the binding free energy of the two bodies of a complex.
 ///
@@ -63,6 +66,13 @@ use protomer_results::{End, Execution};
 pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<Binding>> {
     let electrolytes = settings.electrolytes()?;
     let inputs = Inputs::read(settings)?;
+    let uptake = match settings.proton_uptake {
+        true => match ProtonUptake::new(&inputs, settings, execution)? {
+            End::Finished(uptake) => Some(uptake),
+            End::Stopped => return Ok(End::Stopped),
+        },
+        false => None,
+    };
     let mut result = Binding::new(settings, &inputs);
     for (number, ph) in inputs.ph.iter().enumerate() {
         let partners = inputs.at(*ph)?;
@@ -89,6 +99,9 @@ pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<
             return Ok(End::Stopped);
         }
         result.add_exchanges(*ph, &charges, &energy);
+        if let Some(uptake) = &uptake {
+            result.add_uptake(*ph, uptake);
+        }
     }
     result.finish();
     Ok(End::Finished(result))

@@ -7,6 +7,7 @@ use super::fast::FastInteraction;
 use super::input::{Inputs, Partners};
 use super::interface::Interface;
 use super::settings::BindingSettings;
+use super::uptake::ProtonUptake;
 use crate::stability::affinity::{ContactAffinity, ERROR_KCAL_PER_MOL};
 use crate::stability::model::OWN_TERMS;
 use crate::stability::residues::{Change, ResidueName};
@@ -115,6 +116,10 @@ pub struct BindingCondition {
     pub energy_kt: f64,
     /// Energy of the fast interaction by terms, kT.
     pub terms_kt: BTreeMap<&'static str, f64>,
+    /// Protons that the bodies take up on binding, d log₁₀ K_D / d pH, by titrations of the complex and of
+    /// each body; only if requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub protons_taken_up: Option<f64>,
 }
 
 /// Slope d ln K / d ln c at one pH.
@@ -260,6 +265,7 @@ impl Binding {
                 log10_kd_error: weighted.as_ref().map(|average| average.log10_kd_error),
                 energy_kt: of_pose.total_kt(),
                 terms_kt: of_pose.terms_kt,
+                protons_taken_up: None,
             });
         }
         let at_ph = &self.conditions[before..];
@@ -281,6 +287,14 @@ impl Binding {
     ) {
         if let Some(exchanges) = &mut self.exchanges {
             exchanges.extend(rows(ph, charges, energy));
+        }
+    }
+
+    /// Adds the protons taken up at one pH.
+    pub(super) fn add_uptake(&mut self, ph: Option<f64>, uptake: &ProtonUptake) {
+        let at_ph = self.conditions.iter_mut().filter(|row| row.ph == ph);
+        for (salt, condition) in at_ph.enumerate() {
+            condition.protons_taken_up = ph.and_then(|ph| uptake.at(ph, salt));
         }
     }
 
@@ -343,6 +357,7 @@ mod tests {
             log10_kd_error: None,
             energy_kt: 0.0,
             terms_kt: BTreeMap::new(),
+            protons_taken_up: None,
         }
     }
 

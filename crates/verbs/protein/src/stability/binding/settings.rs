@@ -56,6 +56,8 @@ pub struct BindingSettings {
     pub seed: u64,
     /// Whether to find what single exchanges of charge at the interface would change.
     pub exchanges: bool,
+    /// Whether to titrate the complex and both bodies for the protons that they take up on binding.
+    pub proton_uptake: bool,
 }
 
 impl Default for BindingSettings {
@@ -81,6 +83,7 @@ impl Default for BindingSettings {
             integrates: true,
             seed: 1,
             exchanges: false,
+            proton_uptake: false,
         }
     }
 }
