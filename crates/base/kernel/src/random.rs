@@ -56,6 +56,8 @@ pub enum Purpose {
     BoundState = 10,
     /// Configurations of the parts of an assembly.
     PartGrowth = 11,
+    /// Protons that bodies take up and lose.
+    ProtonMove = 12,
     /// The order in which samples are dealt into the parts of a split.
     Split = 60,
     /// Samples drawn with replacement for a confidence interval.

@@ -24,6 +24,8 @@ pub struct Checkpoint {
     pub(crate) tuners: Vec<Tuner>,
     pub(crate) statistics: Statistics,
     pub(crate) native_contacts: Vec<(usize, usize)>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) protonation: Vec<Vec<bool>>,
 }
 
 impl Checkpoint {

@@ -85,6 +85,7 @@ pub mod surface_points;
 pub mod system;
 #[cfg(test)]
 mod test_support;
+pub mod titratable;
 
 pub use body_type::BodyType;
 pub use checkpoint::Checkpoint;

@@ -108,6 +108,10 @@ pub struct Settings {
     /// sweep, in addition to the others.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub binding_moves_per_sweep: u32,
+    /// Moves in each sweep that change protons of a random body, for models with titratable groups
+    /// ([`Regulated`](crate::energy::Regulated)).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub proton_moves_per_sweep: u32,
     /// Largest distance between the axis of a cluster move and the seed body, Å; `None` for the
     /// diameter of the largest body.
     pub cluster_axis_reach_angstrom: Option<f64>,
@@ -137,6 +141,7 @@ impl Settings {
             rotation_fraction: 0.5,
             cluster_moves_per_sweep: 1,
             binding_moves_per_sweep: 0,
+            proton_moves_per_sweep: 0,
             cluster_axis_reach_angstrom: None,
             contact_gap_angstrom: DEFAULT_CONTACT_GAP_ANGSTROM,
         }

@@ -166,6 +166,7 @@ impl Simulation {
         }
         // The energies that decided before the interruption,
         // not new ones, which may differ in the last bits.
+        energy.take_protonation(&system, &checkpoint.protonation)?;
         energy.restore(&system, &checkpoint.energies)?;
         Ok(Self {
             neighbours: neighbours(&system, energy.as_ref())?,
@@ -255,6 +256,7 @@ impl Simulation {
             tuners: self.tuners.clone(),
             statistics: self.statistics.clone(),
             native_contacts: self.native_contacts.clone(),
+            protonation: self.energy.protonation().to_vec(),
         }
     }
 
@@ -296,6 +298,12 @@ impl Simulation {
         let first_step = self.sweep * binding_moves;
         for step in first_step..first_step + binding_moves {
             self.binding_move(step)
+                .map_err(|error| at_step(error, step))?;
+        }
+        let proton_moves = u64::from(self.settings.proton_moves_per_sweep);
+        let first_step = self.sweep * proton_moves;
+        for step in first_step..first_step + proton_moves {
+            self.proton_move(step)
                 .map_err(|error| at_step(error, step))?;
         }
         self.sweep += 1;
@@ -420,6 +428,32 @@ impl Simulation {
         let accepted = self.binding_move_by(kind, &mut rng, |allowance_kt| allowance_kt)?;
         self.statistics.binding.count(kind, accepted);
         Ok(())
+    }
+
+    /// Makes one move that changes protons of a random body.
+    fn proton_move(&mut self, step: u64) -> Result<()> {
+        let (seed, replica) = (self.seed, self.replica);
+        let mut rng = CounterRng::for_purpose(seed, replica, step, Purpose::ProtonMove);
+        let body = rng.index(self.system.len());
+        let place = &self.system.pose(body).position;
+        self.neighbours
+            .find_at_both(&self.system, [place, place], &mut self.near);
+        self.near.retain(|partner| *partner != body);
+        let accepted = self
+            .energy
+            .change_protons(&self.system, body, &self.near, &mut rng)?;
+        self.statistics.protons.count(accepted);
+        Ok(())
+    }
+
+    /// Net charge of each body, e; `None` where charges are fixed.
+    pub fn net_charges_e(&self) -> Option<Vec<f64>> {
+        self.energy.net_charges_e()
+    }
+
+    /// Titratable groups of each body, true where charged; empty where charges are fixed.
+    pub fn protonation(&self) -> &[Vec<bool>] {
+        self.energy.protonation()
     }
 
     /// A move of this kind by a rule: what that makes of the allowance decides.

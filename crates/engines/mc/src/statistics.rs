@@ -34,6 +34,13 @@ pub struct Statistics {
     /// Moves that form and dissolve contacts.
     #[serde(default, skip_serializing_if = "BindingCounts::are_none")]
     pub binding: BindingCounts,
+    /// Moves that change protons.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub protons: Acceptance,
+}
+
+fn is_none(counts: &Acceptance) -> bool {
+    *counts == Acceptance::default()
 }
 
 /// Counts of the moves that form and dissolve contacts, by kind.
@@ -75,6 +82,7 @@ impl Statistics {
             cluster_moves: 0,
             cluster_bodies: 0,
             binding: BindingCounts::default(),
+            protons: Acceptance::default(),
         }
     }
 

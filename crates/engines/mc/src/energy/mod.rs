@@ -14,6 +14,7 @@ mod none;
 mod pair_sum;
 mod potential;
 pub(crate) mod reach;
+mod regulated;
 mod residue_contacts;
 pub mod terms;
 mod with_terms;
@@ -23,6 +24,7 @@ pub use far_field::FarField;
 pub use none::NoCharges;
 pub use pair_sum::pair_energy_kt;
 pub(crate) use potential::SitePotential;
+pub use regulated::Regulated;
 pub use residue_contacts::{BeadPair, ContactPotential};
 pub use with_terms::{TermsByType, WithTerms};
 
@@ -30,6 +32,7 @@ use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{McError, Result};
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::random::CounterRng;
 use serde::{Deserialize, Serialize};
 
 /// The energy of one pair of bodies.
@@ -192,6 +195,45 @@ pub trait EnergyModel: Send {
     /// As [`reset`](EnergyModel::reset).
     fn energy_elsewhere_kt(&self, system: &System, pairs: Pairs<'_>, effort: Effort)
     -> Result<f64>;
+
+    /// Tries to change protons of a body at its place, and says whether it did. `partners` as in
+    /// [`accept`](EnergyModel::accept). Models with fixed charges change nothing.
+    ///
+    /// # Errors
+    /// As [`accept`](EnergyModel::accept).
+    fn change_protons(
+        &mut self,
+        _system: &System,
+        _body: usize,
+        _partners: &[usize],
+        _rng: &mut CounterRng,
+    ) -> Result<bool> {
+        Ok(false)
+    }
+
+    /// Titratable groups of each body, true where charged; empty for models with fixed charges.
+    fn protonation(&self) -> &[Vec<bool>] {
+        &[]
+    }
+
+    /// Takes over the [`protonation`](EnergyModel::protonation) of the same system, before
+    /// [`restore`](EnergyModel::restore).
+    ///
+    /// # Errors
+    /// [`McError::ForeignCheckpoint`] if the groups are others.
+    fn take_protonation(&mut self, _system: &System, states: &[Vec<bool>]) -> Result<()> {
+        match states.is_empty() {
+            true => Ok(()),
+            false => Err(McError::ForeignCheckpoint(
+                "its bodies have titratable groups, and these have fixed charges".into(),
+            )),
+        }
+    }
+
+    /// Net charge of each body, e; `None` for models with fixed charges.
+    fn net_charges_e(&self) -> Option<Vec<f64>> {
+        None
+    }
 
     /// The energy of the system, kT, summed in the order of [`pairs`](EnergyModel::pairs).
     fn total_kt(&self, system: &System) -> f64 {

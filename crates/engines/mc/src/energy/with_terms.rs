@@ -10,6 +10,7 @@ use super::{Effort, EnergyModel, LevelReport, PairEnergy, Pairs, all_pairs, fini
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{McError, Result};
+use protomer_kernel::random::CounterRng;
 
 /// Energies below this end the reach of a term, kT.
 const NEGLIGIBLE_KT: f64 = 1e-8;
@@ -242,6 +243,29 @@ impl EnergyModel for WithTerms {
     ) -> Result<f64> {
         let of_terms_kt = sum_of_pairs(system, pairs, |pair| self.energy_kt(pair))?;
         Ok(of_terms_kt + self.charges.energy_elsewhere_kt(system, pairs, effort)?)
+    }
+
+    fn change_protons(
+        &mut self,
+        system: &System,
+        body: usize,
+        partners: &[usize],
+        rng: &mut CounterRng,
+    ) -> Result<bool> {
+        // Terms are functions of the poses, which stay.
+        self.charges.change_protons(system, body, partners, rng)
+    }
+
+    fn protonation(&self) -> &[Vec<bool>] {
+        self.charges.protonation()
+    }
+
+    fn take_protonation(&mut self, system: &System, states: &[Vec<bool>]) -> Result<()> {
+        self.charges.take_protonation(system, states)
+    }
+
+    fn net_charges_e(&self) -> Option<Vec<f64>> {
+        self.charges.net_charges_e()
     }
 
     fn pairs(&self, system: &System) -> Vec<PairEnergy> {

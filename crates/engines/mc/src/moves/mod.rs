@@ -8,6 +8,7 @@ pub mod cluster;
 pub mod contact_turn;
 pub mod group;
 pub mod proposal;
+pub mod protonation;
 pub mod relocation;
 pub mod single;
 pub mod step_sizes;

@@ -18,6 +18,7 @@ mod levels;
 mod many_bodies;
 mod pair;
 mod parts;
+mod regulation;
 mod scattering;
 mod terms;
 #[path = "../../../../../tests/test_data.rs"]
