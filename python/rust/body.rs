@@ -80,6 +80,7 @@ impl Body {
                 core: None,
                 sites,
                 capacitances_e2: Vec::new(),
+                titration: None,
                 residues: Vec::new(),
                 mass_properties,
                 provenance,

@@ -247,6 +247,13 @@ pub struct LogMark {
     pub sha256: String,
 }
 
+impl LogMark {
+    /// Whether nothing of a log belongs to the checkpoint.
+    pub fn is_empty(&self) -> bool {
+        self.bytes == 0
+    }
+}
+
 /// A log that is being written.
 ///
 /// ```

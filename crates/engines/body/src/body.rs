@@ -2,6 +2,7 @@
 //! `Arc`.
 
 use crate::chemistry::residue_names::mass_in_chain_g_per_mol;
+use crate::chemistry::titration::BodyTitration;
 use protomer_kernel::mesh::MassProperties;
 use protomer_kernel::{TriangleMesh, Vec3};
 use serde::{Deserialize, Serialize};
@@ -34,6 +35,9 @@ pub struct Body {
     /// gain or lose protons. Empty for a body whose charges do not respond.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub capacitances_e2: Vec<f64>,
+    /// Titratable groups, for simulations that change their protons; `None` for a body without them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub titration: Option<BodyTitration>,
     /// Residues, in the order of the structure file; empty for a body made from a bare mesh and
     /// charges.
     pub residues: Vec<Residue>,

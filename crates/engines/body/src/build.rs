@@ -6,8 +6,9 @@
 
 use crate::body::{Body, Provenance, Site};
 use crate::chemistry::protonation::ModelValuesOnly;
+use crate::chemistry::titration::BodyTitration;
 use crate::chemistry::{
-    ChargeModel, ChargedSites, Mutation, Protonate, SiteSettings, StructureProtonation,
+    ChargeModel, ChargedSites, Mutation, Protonate, Protonated, SiteSettings, StructureProtonation,
     build_protonated_sites, build_sites, mutate, sites_of_points,
 };
 use crate::hard_core::{HardCore, NativeCore, moved_inward};
@@ -208,6 +209,7 @@ pub struct Draft {
     /// Radii and offset of a native core; `None` where the surface is hard.
     core: Option<NativeCore>,
     selection: Option<SelectionReport>,
+    titration: Option<BodyTitration>,
     /// Warnings of the reader.
     warnings: Vec<String>,
 }
@@ -241,12 +243,22 @@ impl Draft {
     ) -> Result<Self> {
         check_name(name)?;
         mutate(&mut selection, &settings.mutations)?;
-        let sites = match &settings.sites.structure {
-            None => build_sites(&selection, &settings.sites)?,
+        let (sites, titration) = match &settings.sites.structure {
+            None => (build_sites(&selection, &settings.sites)?, None),
             Some(conditions) => {
                 let ph = settings.sites.ph;
-                let protonation = protonate.protonate(&selection, ph, conditions)?;
-                build_protonated_sites(&selection, &protonation, &settings.sites)?
+                let Protonated {
+                    residues,
+                    mut titration,
+                    formal_changes_e,
+                } = protonate.protonate(&selection, ph, conditions)?;
+                let sites = build_protonated_sites(&selection, &residues, &settings.sites)?;
+                if settings.sites.charges == ChargeModel::Formal {
+                    for (group, change_e) in titration.groups.iter_mut().zip(formal_changes_e) {
+                        group.change_e = change_e;
+                    }
+                }
+                (sites, settings.sites.titratable.then_some(titration))
             }
         };
         let (surface, core) = settings.surface.with_core(&sites)?;
@@ -263,6 +275,7 @@ impl Draft {
             surface,
             core,
             selection: Some(report),
+            titration,
             warnings: Vec::new(),
         })
     }
@@ -294,6 +307,7 @@ impl Draft {
             surface,
             core,
             selection: None,
+            titration: None,
             warnings: sifted.warnings,
         })
     }
@@ -378,6 +392,7 @@ impl Draft {
             core,
             sites: sites.sites,
             capacitances_e2: sites.capacitances_e2,
+            titration: self.titration,
             residues: sites.residues,
             mass_properties,
             provenance: Provenance {

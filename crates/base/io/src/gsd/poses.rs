@@ -34,7 +34,7 @@ pub struct PosedFrame {
 /// let header = TrajectoryHeader { types, type_ids: vec![0], charges_e: vec![6.0] };
 /// let mut writer = TrajectoryWriter::create(&path, &header)?;
 /// let (box_lengths_angstrom, poses) = ([90.0; 3], [Pose::identity()]);
-/// writer.append(&TrajectoryFrame { step: 40, box_lengths_angstrom, poses: &poses, log: &[] })?;
+/// writer.append(&TrajectoryFrame { step: 40, box_lengths_angstrom, poses: &poses, log: &[], charges_e: None })?;
 /// writer.sync()?;
 /// let frame = TrajectoryReader::open(&path)?.frame(0)?;
 /// assert_eq!((frame.step, frame.type_ids, frame.poses), (40, vec![0], poses.to_vec()));
@@ -228,6 +228,7 @@ mod tests {
                 box_lengths_angstrom: [50.0; 3],
                 poses,
                 log: &[],
+                charges_e: None,
             };
             writer.append(&frame).unwrap();
         }

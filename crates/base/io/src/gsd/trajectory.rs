@@ -53,6 +53,9 @@ pub struct TrajectoryFrame<'a> {
     /// Logged quantities by name (written as `log/NAME`); every frame should have the names of the
     /// first.
     pub log: &'a [(&'a str, f64)],
+    /// Net charge of each body, e, where charges change (written as `log/particles/net_charge_e`); `None` for
+    /// those of the header.
+    pub charges_e: Option<&'a [f64]>,
 }
 
 /// The smallest centred cube that holds these positions with a margin on every side, Å.
@@ -83,7 +86,7 @@ pub fn enclosing_box(poses: &[Pose], margin_angstrom: f64) -> [f64; 3] {
 /// let header = TrajectoryHeader { types, type_ids: vec![0], charges_e: vec![6.0] };
 /// let mut writer = TrajectoryWriter::create(&path, &header)?;
 /// let (box_lengths_angstrom, poses) = ([90.0; 3], [Pose::identity()]);
-/// writer.append(&TrajectoryFrame { step: 0, box_lengths_angstrom, poses: &poses, log: &[("energy_kT", -3.5)] })?;
+/// writer.append(&TrajectoryFrame { step: 0, box_lengths_angstrom, poses: &poses, log: &[("energy_kT", -3.5)], charges_e: None })?;
 /// writer.sync()?;
 /// assert_eq!(GsdFile::open(&path)?.frames(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -138,6 +141,13 @@ impl TrajectoryWriter {
                 self.bodies
             );
             return Err(IoError::unwritable(cause, "give a pose for each body"));
+        }
+        if let Some(charges_e) = frame.charges_e
+            && charges_e.len() != self.bodies
+        {
+            let given = charges_e.len();
+            let cause = format!("a frame has {given} charges for {} bodies", self.bodies);
+            return Err(IoError::unwritable(cause, "give a charge for each body"));
         }
         self.writer.append(frame_chunks(frame))
     }
@@ -211,6 +221,11 @@ pub fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
         Chunk::new("particles/position", 3, ChunkData::F32(positions)),
         Chunk::new("particles/orientation", 4, ChunkData::F32(orientations)),
     ];
+    if let Some(charges_e) = frame.charges_e {
+        // Not `particles/charge`, which the first frame has for all.
+        let charges = ChunkData::F64(charges_e.to_vec());
+        chunks.push(Chunk::new("log/particles/net_charge_e", 1, charges));
+    }
     for (name, value) in frame.log {
         let data = ChunkData::F64(vec![*value]);
         chunks.push(Chunk::new(&format!("log/{name}"), 1, data));

@@ -54,6 +54,7 @@ fn append(writer: &mut TrajectoryWriter, frames: std::ops::Range<u64>) {
             box_lengths_angstrom: [90.0, 80.0, 70.0],
             poses: &poses(k),
             log: &log,
+            charges_e: None,
         };
         writer.append(&frame).unwrap();
     }
@@ -278,6 +279,7 @@ fn frames_that_cannot_be_written_are_refused() {
         box_lengths_angstrom: [1.0; 3],
         poses: &poses(0)[..2],
         log: &[],
+        charges_e: None,
     };
     assert!(
         trajectory

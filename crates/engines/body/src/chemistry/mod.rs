@@ -34,6 +34,6 @@ pub use amino_acid::AminoAcid;
 pub use charges::ChargeModel;
 pub use mutation::{Mutation, mutate, parse_mutations};
 pub use protonation::{
-    PkaSource, Protonate, ResidueProtonation, StructureProtonation, StructureTitration,
+    PkaSource, Protonate, Protonated, ResidueProtonation, StructureProtonation, StructureTitration,
 };
 pub use sites::{ChargedSites, SiteSettings, build_protonated_sites, build_sites, sites_of_points};

@@ -5,6 +5,7 @@
 //! modelled here: [`Protonate`] is the interface of a crate that computes them.
 
 use super::amino_acid::AminoAcid;
+use super::titration::BodyTitration;
 use crate::structure::Selection;
 use crate::{BodyError, Result};
 use serde::{Deserialize, Serialize};
@@ -184,9 +185,20 @@ pub struct StructureProtonation {
     pub anion_binding_per_molar: f64,
 }
 
+/// Protonation of a structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Protonated {
+    /// Protonated fractions of every residue.
+    pub residues: Vec<ResidueProtonation>,
+    /// The groups and the energies of their states, with changes of the charges of the force field.
+    pub titration: BodyTitration,
+    /// Changes of charge of each group in the formal model, by index of the atom, e.
+    pub formal_changes_e: Vec<Vec<(u32, f64)>>,
+}
+
 /// Computation of the protonation of a structure, for crates that solve for potentials.
 pub trait Protonate {
-    /// Protonated fractions of every residue of a selection.
+    /// Protonated fractions of every residue of a selection, and its titratable groups.
     ///
     /// # Errors
     /// Says what cannot be computed, and what to do.
@@ -195,7 +207,7 @@ pub trait Protonate {
         selection: &Selection,
         ph: f64,
         conditions: &StructureProtonation,
-    ) -> Result<Vec<ResidueProtonation>>;
+    ) -> Result<Protonated>;
 }
 
 /// Protonation by model pKa values only.
@@ -208,7 +220,7 @@ impl Protonate for ModelValuesOnly {
         _selection: &Selection,
         _ph: f64,
         _conditions: &StructureProtonation,
-    ) -> Result<Vec<ResidueProtonation>> {
+    ) -> Result<Protonated> {
         Err(BodyError::Invalid {
             cause: "a protonation that depends on the structure".into(),
             remedy: "use pKa values in water here".into(),

@@ -38,6 +38,9 @@ pub struct SiteSettings {
     /// Conditions of a protonation computed from the structure; model pKa values in water for `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub structure: Option<StructureProtonation>,
+    /// Whether a body keeps the titratable groups of its structure, for simulations that change their protons.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub titratable: bool,
 }
 
 impl Default for SiteSettings {
@@ -46,12 +49,20 @@ impl Default for SiteSettings {
             ph: 7.4,
             charges: ChargeModel::ForceField,
             structure: None,
+            titratable: false,
         }
     }
 }
 
 impl SiteSettings {
     fn check(&self) -> Result<()> {
+        if self.titratable && (self.structure.is_none() || self.charges == ChargeModel::None) {
+            return Err(BodyError::Invalid {
+                cause: "titratable groups without the titration of the structure, or without charges"
+                    .into(),
+                remedy: "add --protonation structure and leave out --charges none, or leave out --titratable".into(),
+            });
+        }
         if (0.0..=14.0).contains(&self.ph) {
             return Ok(());
         }

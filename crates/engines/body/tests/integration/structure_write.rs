@@ -30,6 +30,7 @@ fn body(name: &str, sites: Vec<Site>, residues: Vec<Residue>, origin: Vec3) -> B
         core: None,
         sites,
         capacitances_e2: Vec::new(),
+        titration: None,
         residues,
         provenance: Provenance {
             source: format!("{name}.pdb"),

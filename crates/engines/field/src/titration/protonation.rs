@@ -4,8 +4,11 @@ use super::{TitrationModel, group_energies, solve_settings};
 use crate::dielectric::DielectricModel;
 use crate::{FieldError, Result};
 use protomer_body::BodyError;
-use protomer_body::chemistry::titration::{protonation_of_residues, titratable_sites};
-use protomer_body::chemistry::{Protonate, ResidueProtonation, StructureProtonation};
+use protomer_body::chemistry::titration::{
+    BodyGroup, BodyTitration, change_on_atoms_e, formal_changes_e, protonation_of_residues,
+    titratable_sites,
+};
+use protomer_body::chemistry::{Protonate, Protonated, StructureProtonation};
 use protomer_body::structure::Selection;
 use protomer_kernel::Electrolyte;
 
@@ -49,7 +52,7 @@ impl Protonate for SolvedProtonation {
         selection: &Selection,
         ph: f64,
         conditions: &StructureProtonation,
-    ) -> protomer_body::Result<Vec<ResidueProtonation>> {
+    ) -> protomer_body::Result<Protonated> {
         protonation(selection, ph, conditions).map_err(|error| match error {
             FieldError::Body(error) => error,
             error => BodyError::Invalid {
@@ -64,10 +67,23 @@ fn protonation(
     selection: &Selection,
     ph: f64,
     conditions: &StructureProtonation,
-) -> Result<Vec<ResidueProtonation>> {
+) -> Result<Protonated> {
     let sites = titratable_sites(selection);
+    let mut titration = BodyTitration {
+        ph,
+        salt_molar: conditions.salt_molar,
+        temperature_kelvin: conditions.temperature_kelvin,
+        groups: Vec::new(),
+        pair_kt: Vec::new(),
+        tautomer_pair_kt: Vec::new(),
+    };
     if sites.groups.is_empty() {
-        return Ok(protonation_of_residues(selection, &[], &[], &[]));
+        let residues = protonation_of_residues(selection, &[], &[], &[]);
+        return Ok(Protonated {
+            residues,
+            titration,
+            formal_changes_e: Vec::new(),
+        });
     }
     let salt_molar = conditions.salt_molar;
     let electrolyte = Electrolyte::in_water(conditions.temperature_kelvin, salt_molar)?;
@@ -81,7 +97,23 @@ fn protonation(
     let shares = groups.charged_shares(ph);
     let capacitances = groups.capacitances_e2(ph);
     let residues = protonation_of_residues(selection, &sites.groups, &shares, &capacitances);
-    Ok(residues)
+    for (number, share) in shares.iter().enumerate() {
+        titration.groups.push(BodyGroup {
+            charge_e: groups.charge_e[number],
+            model_pka: groups.model_pka[number],
+            shift_kt: groups.shift_kt[number],
+            tautomer_kt: groups.tautomer_kt[number],
+            charged_share: *share,
+            change_e: change_on_atoms_e(&sites, number),
+        });
+    }
+    titration.pair_kt = groups.pair_kt;
+    titration.tautomer_pair_kt = groups.tautomer_pair_kt;
+    Ok(Protonated {
+        residues,
+        titration,
+        formal_changes_e: formal_changes_e(selection, &sites.groups),
+    })
 }
 
 impl TitrationModel {

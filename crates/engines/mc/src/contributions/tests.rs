@@ -24,6 +24,7 @@ pub fn body_of(residues: &[(&str, f64, f64)]) -> Body {
         core: None,
         sites: Vec::new(),
         capacitances_e2: Vec::new(),
+        titration: None,
         residues: Vec::new(),
         provenance: Provenance::default(),
     };

@@ -343,6 +343,7 @@ fn solid(mesh: TriangleMesh) -> Body {
         core: None,
         sites: Vec::new(),
         capacitances_e2: Vec::new(),
+        titration: None,
         residues: Vec::new(),
         provenance: Provenance::default(),
     }

@@ -71,6 +71,10 @@ pub struct ChargeArgs {
     /// Salt for which --protonation structure is solved, such as 100mM.
     #[arg(long, default_value = "100mM", value_parser = quantity::salt_molar, allow_hyphen_values = true)]
     protonation_salt: f64,
+    /// Keep the titratable groups with the body, for simulations that change their protons (simulate
+    /// --proton-moves); with --protonation structure.
+    #[arg(long)]
+    titratable: bool,
     /// Point mutations, such as A:K45E,B:N12D; side chains are replaced in place.
     #[arg(long)]
     mutate: Option<String>,
@@ -224,14 +228,22 @@ pub fn body_settings(
     core: CoreArgs,
 ) -> Result<BodySettings> {
     let mutations = charges.mutate.as_deref().map(parse_mutations).transpose()?;
+    let titration = charges.protonation.titration()?;
+    if charges.titratable && titration.is_some_and(|model| model.anion_binding_per_molar > 0.0) {
+        bail!(
+            "--titratable keeps groups with two forms, and a group with a bound anion has a third; leave out \
+             --anion-binding, or --titratable"
+        );
+    }
     Ok(BodySettings {
         selection: selection.settings(),
         sites: SiteSettings {
             ph: charges.ph,
             charges: charges.charges,
-            structure: charges.protonation.titration()?.map(|titration| {
+            structure: titration.map(|titration| {
                 titration.conditions(charges.protonation_salt, PROTONATION_KELVIN)
             }),
+            titratable: charges.titratable,
         },
         mutations: mutations.unwrap_or_default(),
         surface: SurfaceSettings {

@@ -20,6 +20,7 @@ mod killed;
 mod names;
 mod numbers;
 mod predict;
+mod protons;
 mod report;
 mod residues;
 mod score;

@@ -1,7 +1,9 @@
 //! Body files: everything an engine needs to know about a body, in one versioned, checksummed file.
 
+use super::group_arrays;
 use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
+use protomer_body::chemistry::titration::BodyTitration;
 use protomer_body::{Body, Provenance, Residue, Site, check_name};
 use protomer_common::output_file;
 use protomer_io::atomic::{sha256_hex, write_atomically};
@@ -35,6 +37,9 @@ struct BodyHeader {
     atom_names: Vec<String>,
     residues: Vec<Residue>,
     provenance: Provenance,
+    /// Conditions of the titratable groups, whose numbers are arrays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    titration: Option<BodyTitration>,
 }
 
 /// Writes a body file.
@@ -107,6 +112,7 @@ fn to_bytes(body: &Body) -> Result<Vec<u8>> {
         atom_names,
         residues: body.residues.clone(),
         provenance: body.provenance.clone(),
+        titration: body.titration.clone(),
     };
     let header = serde_json::to_value(header).context("the body cannot be serialised")?;
     let mut container = Container::new(KIND, header);
@@ -129,6 +135,9 @@ fn to_bytes(body: &Body) -> Result<Vec<u8>> {
     if !body.capacitances_e2.is_empty() {
         let capacitances = Array::f64(body.capacitances_e2.clone(), [sites])?;
         container.insert(CAPACITANCES, capacitances);
+    }
+    if let Some(titration) = &body.titration {
+        group_arrays::insert(&mut container, titration)?;
     }
     container.insert("residues", Array::u32(residues, [sites])?);
     Ok(container.to_bytes()?)
@@ -211,12 +220,17 @@ fn decode(file: &str, container: Container) -> Result<Body> {
         });
     }
     let mass_properties = surface.mass_properties()?;
+    let titration = match header.titration {
+        Some(conditions) => Some(group_arrays::read(file, &container, conditions, count)?),
+        None => None,
+    };
     Ok(Body {
         name: header.name,
         mesh: surface,
         core,
         sites,
         capacitances_e2: capacitances.to_vec(),
+        titration,
         residues: header.residues,
         mass_properties,
         provenance: header.provenance,
@@ -300,6 +314,7 @@ fn vectors(file: &str, container: &Container, name: &str) -> Result<Vec<Vec3>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_body::chemistry::titration::BodyGroup;
 
     /// A tetrahedron with one charged atom.
     fn example() -> Body {
@@ -335,6 +350,7 @@ mod tests {
             core: None,
             sites: vec![site],
             capacitances_e2: Vec::new(),
+            titration: None,
             residues: vec![residue],
             provenance: Provenance::default(),
         }
@@ -353,6 +369,38 @@ mod tests {
         };
         let bytes = to_bytes(&responding).unwrap();
         assert_eq!(from_bytes("x.body", &bytes).unwrap(), responding);
+        let group = BodyGroup {
+            charge_e: -1.0,
+            model_pka: 4.1,
+            shift_kt: 0.1 + 0.2,
+            tautomer_kt: None,
+            charged_share: 0.25,
+            change_e: vec![(0, -1.0)],
+        };
+        let base = BodyGroup {
+            charge_e: 1.0,
+            tautomer_kt: Some(-1.0 / 3.0),
+            ..group.clone()
+        };
+        let titratable = Body {
+            titration: Some(BodyTitration {
+                ph: 7.1,
+                salt_molar: 0.1,
+                temperature_kelvin: 298.15,
+                groups: vec![group, base],
+                pair_kt: vec![0.0, -0.7, -0.7, 0.0],
+                tautomer_pair_kt: vec![0.0, 0.1, 0.3, 0.0],
+            }),
+            ..body.clone()
+        };
+        let bytes = to_bytes(&titratable).unwrap();
+        assert_eq!(from_bytes("x.body", &bytes).unwrap(), titratable);
+        let mut foreign = titratable.clone();
+        if let Some(titration) = &mut foreign.titration {
+            titration.groups[0].change_e[0].0 = 1;
+        }
+        let refused = from_bytes("x.body", &to_bytes(&foreign).unwrap()).unwrap_err();
+        assert!(format!("{refused:#}").contains("no change of charge of a site"));
         let damaged = Body {
             capacitances_e2: vec![0.125; 2],
             ..body.clone()

@@ -421,6 +421,7 @@ fn refuse_settings_of_structures(settings: &BodySettings) -> Result<()> {
         ("--ph", sites.ph != plain_sites.ph),
         ("--charges", sites.charges != plain_sites.charges),
         ("--protonation", sites.structure.is_some()),
+        ("--titratable", sites.titratable),
         ("--mutate", settings.mutations != default.mutations),
     ] {
         if is_set {

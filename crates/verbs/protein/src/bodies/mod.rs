@@ -4,6 +4,7 @@ pub mod body_file;
 pub mod chain_groups;
 pub mod fetch;
 pub mod folder;
+mod group_arrays;
 pub mod ingest;
 pub mod own_body;
 pub mod stream;

@@ -113,6 +113,7 @@ pub fn build(description: &OwnBody) -> Result<Body> {
         core: None,
         sites,
         capacitances_e2: Vec::new(),
+        titration: None,
         residues: Vec::new(),
         mass_properties,
         provenance,

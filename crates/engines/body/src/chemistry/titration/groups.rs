@@ -2,7 +2,7 @@
 
 use super::super::amino_acid::AminoAcid;
 use super::super::charges::{
-    neutral_charges_e, side_chain_change_e, side_groups, tautomer_change_e,
+    atom_capacitances_e2, neutral_charges_e, side_chain_change_e, side_groups, tautomer_change_e,
 };
 use super::super::protonation::{C_TERMINUS, N_TERMINUS, ResidueProtonation};
 use super::super::templates;
@@ -90,6 +90,47 @@ pub fn protonation_of_residues(
         residue.capacitance_e2[place] = *capacitance_e2;
     }
     residues
+}
+
+/// Changes of charge of each group in the formal model: the whole charge on the atoms of the group, by index of the atom in the
+/// selection, e.
+pub fn formal_changes_e(selection: &Selection, groups: &[TitratableGroup]) -> Vec<Vec<(u32, f64)>> {
+    let mut firsts = Vec::with_capacity(selection.residues.len());
+    let mut atoms = 0;
+    for residue in &selection.residues {
+        firsts.push(atoms);
+        atoms += residue.atoms.len();
+    }
+    let mut changes = Vec::with_capacity(groups.len());
+    let (mut present, mut side_groups_met) = (usize::MAX, 0);
+    for group in groups {
+        let residue = &selection.residues[group.residue];
+        if group.residue != present {
+            (present, side_groups_met) = (group.residue, 0);
+        }
+        let side = side_groups(residue).len();
+        let place = match group.kind {
+            GroupKind::NTerminus => side,
+            GroupKind::CTerminus => side + 1,
+            GroupKind::SideChain(_) | GroupKind::Modified => {
+                side_groups_met += 1;
+                side_groups_met - 1
+            }
+        };
+        let mut of_group = ResidueProtonation::in_water(side_groups(residue), 7.0);
+        of_group.capacitance_e2 = vec![0.0; side + 2];
+        // Capacitances stand on the atoms that carry the formal charge.
+        of_group.capacitance_e2[place] = 1.0;
+        let shares = atom_capacitances_e2(residue, &of_group);
+        let first = firsts[group.residue];
+        let charged = shares
+            .iter()
+            .enumerate()
+            .filter(|(_, share)| **share != 0.0);
+        let change = charged.map(|(atom, share)| ((first + atom) as u32, group.charge_e * share));
+        changes.push(change.collect());
+    }
+    changes
 }
 
 /// Titratable groups of a residue; `first` is the index of its first atom among the sites.

@@ -8,11 +8,14 @@
 //! |---|---|
 //! | [`groups`] | the titratable groups of a selection, as changes of charge |
 //! | [`hydrogens`] | places of the hydrogens on polar atoms |
+//! | `body_groups` | the groups of a body, for charges that respond |
 //! | `sites` | atoms, hydrogens and groups of a selection together |
 
+mod body_groups;
 pub mod groups;
 pub mod hydrogens;
 mod sites;
 
-pub use groups::{GroupKind, TitratableGroup, protonation_of_residues};
+pub use body_groups::{BodyGroup, BodyTitration, change_on_atoms_e};
+pub use groups::{GroupKind, TitratableGroup, formal_changes_e, protonation_of_residues};
 pub use sites::{TitratableSites, titratable_sites};

@@ -147,6 +147,7 @@ impl Run {
             ),
         }
         let run: RunSettings = keys::read_toml(&directory.join("run.toml"))?;
+        run.require_fixed_charges("residues")?;
         let record = Record::read(directory)?;
         let assembly = assembly_of(directory, record.as_ref(), settings.assembly.as_deref());
         let assembly = assembly.context(

@@ -163,6 +163,7 @@ fn run_of(directory: &Path) -> Result<RunSettings> {
         );
     }
     let run: RunSettings = keys::read_toml(&directory.join("run.toml"))?;
+    run.require_fixed_charges("reweight")?;
     if run.salt_molar.len() < 2 {
         bail!(
             "{} holds one salt concentration; there is nothing between several to weight",

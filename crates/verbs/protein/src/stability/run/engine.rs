@@ -5,6 +5,7 @@ use crate::assemblies::assembly_file::Assembly;
 use crate::stability::effective::{EffectiveBody, EffectiveStore, SoluteModel};
 use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::interaction::{ContactDefinition, Definition, ScreenedCoulomb};
+use crate::stability::run::titratable;
 use crate::stability::run::{
     DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings, Starts,
 };
@@ -13,7 +14,7 @@ use anyhow::{Context, Result, bail};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::energy::terms::TermsOfKinds;
-use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTerms};
+use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, Regulated, TermsByType, WithTerms};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::pair::{BodyPair, Charged, Core, Terms};
 use protomer_mc::{BodyType, Interaction, McError, Settings, System};
@@ -252,6 +253,14 @@ impl Engine {
         run: &RunSettings,
         interaction: &ScreenedCoulomb,
     ) -> Result<Box<dyn EnergyModel>> {
+        if run.proton_moves_per_sweep > 0 {
+            let groups = titratable::groups_of_bodies(&self.assembly.bodies, interaction)?;
+            let charges = Box::new(Regulated::new(interaction.yukawa()?, groups));
+            return Ok(match &self.terms {
+                Some(terms) => Box::new(WithTerms::new(charges, terms.clone())),
+                None => charges,
+            });
+        }
         let levels = |yukawa: Yukawa| self.tables.levels(&self.system()?, yukawa);
         let charges: Box<dyn EnergyModel> = match self.settings(run, interaction)?.interaction {
             Interaction::YukawaCertified(yukawa) => {
@@ -276,7 +285,8 @@ impl Engine {
     /// # Errors
     /// As [`costs_of`](Self::costs_of).
     pub fn resolved(&self, run: &RunSettings, begun: Option<EnergyMode>) -> Result<RunSettings> {
-        let is_cut = run.medium.cutoff_angstrom.is_some();
+        // Only the direct sum holds for charges that change.
+        let is_cut = run.medium.cutoff_angstrom.is_some() || run.proton_moves_per_sweep > 0;
         let energy = match (run.energy, begun) {
             (Some(energy), _) => energy,
             (None, _) if is_cut => EnergyMode::Direct,
@@ -289,7 +299,7 @@ impl Engine {
     /// The settings as [`resolved`](Self::resolved) gives them where a run goes on, without the costs of
     /// energies, for which charges may have to be fitted.
     pub(crate) fn resolved_as_begun(run: &RunSettings, begun: Option<EnergyMode>) -> RunSettings {
-        let is_cut = run.medium.cutoff_angstrom.is_some();
+        let is_cut = run.medium.cutoff_angstrom.is_some() || run.proton_moves_per_sweep > 0;
         let usual = run.energy.or(is_cut.then_some(EnergyMode::Direct));
         with_energy(run, usual.or(begun).unwrap_or(EnergyMode::Direct))
     }
@@ -405,6 +415,11 @@ impl Engine {
         if !pairs.is_empty() {
             return Err(McError::OverlappingStart { pairs }.into());
         }
+        if run.proton_moves_per_sweep > 0 {
+            for interaction in interactions {
+                titratable::groups_of_bodies(&self.assembly.bodies, interaction)?;
+            }
+        }
         // Every salt: the reach of the charges grows as the salt falls.
         for interaction in interactions {
             // Without tables: what counts is the reach of the charges.
@@ -447,6 +462,7 @@ impl Engine {
             equilibration_sweeps: run.equilibration_sweeps,
             cluster_moves_per_sweep: run.cluster_moves_per_sweep,
             binding_moves_per_sweep: run.binding_moves_per_sweep,
+            proton_moves_per_sweep: run.proton_moves_per_sweep,
             contact_gap_angstrom: run.contact_gap_angstrom,
             ..Settings::new(interaction)
         })

@@ -23,6 +23,33 @@ protomer_results::log_row! {
     }
 }
 
+protomer_results::log_row! {
+    /// One row of `charges.csv`: net charges of the bodies of a run that changes protons.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct ChargeRow {
+        /// Production sweeps done.
+        pub sweep: u64,
+        /// Mean net charge of a body, e.
+        pub mean_net_charge_e: f64,
+        /// Lowest net charge of a body, e.
+        pub lowest_net_charge_e: f64,
+        /// Highest net charge of a body, e.
+        pub highest_net_charge_e: f64,
+    }
+}
+
+impl ChargeRow {
+    /// The row of the net charges of all bodies, e.
+    pub fn new(sweep: u64, charges_e: &[f64]) -> Self {
+        Self {
+            sweep,
+            mean_net_charge_e: charges_e.iter().sum::<f64>() / charges_e.len() as f64,
+            lowest_net_charge_e: charges_e.iter().copied().fold(f64::INFINITY, f64::min),
+            highest_net_charge_e: charges_e.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

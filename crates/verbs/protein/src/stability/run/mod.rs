@@ -8,6 +8,7 @@ mod outputs;
 mod replica;
 mod salt_choice;
 mod settings;
+mod titratable;
 mod trajectory;
 
 pub use costs::EnergyCosts;

@@ -1,5 +1,6 @@
 //! What a simulation leaves behind while it runs: `log.csv` and `trajectory.gsd`.
 
+use super::log::ChargeRow;
 use super::trajectory::Trajectory;
 use super::{Engine, LogRow, RunSettings};
 use anyhow::{Context, Result, bail};
@@ -10,11 +11,14 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 const LOG: &str = "log.csv";
+/// Net charges of the bodies, where they change.
+const CHARGES: &str = "charges.csv";
 const TRAJECTORY: &str = "trajectory.gsd";
 
 /// The open files of a simulation.
 pub struct Outputs {
     log: Log,
+    charges: Option<Log>,
     trajectory: Option<Trajectory>,
     cluster_moves_logged: (u64, u64),
 }
@@ -25,6 +29,9 @@ pub struct Outputs {
 pub struct SavedOutputs {
     /// The rows of the log.
     pub log: LogMark,
+    /// The rows of the charges; empty where they are fixed.
+    #[serde(default, skip_serializing_if = "LogMark::is_empty")]
+    pub charges: LogMark,
     /// Frames of the trajectory.
     pub trajectory_frames: u64,
     /// Cluster moves, and bodies they moved, at the last row of the log.
@@ -47,6 +54,13 @@ impl Outputs {
             require_columns(&path)?;
         }
         let log = Log::open::<LogRow>(&path, &saved.log)?;
+        let charges = match settings.proton_moves_per_sweep {
+            0 => None,
+            _ => Some(Log::open::<ChargeRow>(
+                &directory.join(CHARGES),
+                &saved.charges,
+            )?),
+        };
         let trajectory = match settings.trajectory_every {
             0 => None,
             _ => {
@@ -57,6 +71,7 @@ impl Outputs {
         };
         Ok(Self {
             log,
+            charges,
             trajectory,
             cluster_moves_logged: saved.cluster_moves_logged,
         })
@@ -76,6 +91,9 @@ impl Outputs {
         if production.is_multiple_of(settings.log_every) {
             let row = self.row(production, simulation);
             self.log.append(&row)?;
+            if let (Some(log), Some(charges_e)) = (&mut self.charges, simulation.net_charges_e()) {
+                log.append(&ChargeRow::new(production, &charges_e))?;
+            }
         }
         if let Some(trajectory) = &mut self.trajectory
             && production.is_multiple_of(settings.trajectory_every)
@@ -96,6 +114,10 @@ impl Outputs {
         };
         Ok(SavedOutputs {
             log: self.log.sync()?,
+            charges: match &mut self.charges {
+                Some(log) => log.sync()?,
+                None => LogMark::default(),
+            },
             trajectory_frames,
             cluster_moves_logged: self.cluster_moves_logged,
         })
@@ -135,6 +157,9 @@ impl SavedOutputs {
     /// # Errors
     /// If it was changed or lost.
     pub fn check(&self, directory: &Path) -> Result<()> {
+        if !self.charges.is_empty() {
+            log::check(&directory.join(CHARGES), &self.charges)?;
+        }
         Ok(log::check(&directory.join(LOG), &self.log)?)
     }
 }

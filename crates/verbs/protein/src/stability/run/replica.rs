@@ -69,6 +69,9 @@ impl AcceptedFractions {
 pub struct Saved {
     /// The part of the log that belongs to this state.
     log: LogMark,
+    /// The part of the charges that belongs to this state; empty where they are fixed.
+    #[serde(default, skip_serializing_if = "LogMark::is_empty")]
+    charges: LogMark,
     /// Frames of the trajectory that belong to this state.
     trajectory_frames: u64,
     /// Cluster moves, and bodies they moved, at the last row of the log.
@@ -137,11 +140,13 @@ impl Run for Replica<'_> {
     fn save(&self, state: &mut State) -> Result<Saved> {
         let SavedOutputs {
             log,
+            charges,
             trajectory_frames,
             cluster_moves_logged,
         } = state.outputs.save()?;
         Ok(Saved {
             log,
+            charges,
             trajectory_frames,
             cluster_moves_logged,
             simulation: state.simulation.checkpoint(),
@@ -175,6 +180,7 @@ impl Saved {
     fn outputs(&self) -> SavedOutputs {
         SavedOutputs {
             log: self.log.clone(),
+            charges: self.charges.clone(),
             trajectory_frames: self.trajectory_frames,
             cluster_moves_logged: self.cluster_moves_logged,
         }

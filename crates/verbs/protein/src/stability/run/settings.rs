@@ -54,6 +54,9 @@ protomer_common::settings! {
         /// Moves per sweep that form and dissolve contacts: bodies put next to others or far from
         /// them, turns about contacts, groups, swaps.
         binding_moves_per_sweep: u32, in MOVES_PER_SWEEP, flag "binding-moves", omit "is_default";
+        /// Moves per sweep in which groups of one body take up or lose protons, at the pH of the bodies, which have their
+        /// groups (ingest --titratable); 0 for fixed charges.
+        proton_moves_per_sweep: u32, in MOVES_PER_SWEEP, flag "proton-moves", omit "is_default";
         /// Sweeps between two exchanges of states between neighbouring salt concentrations; 0 for
         /// none.
         exchange_every: u64, in STEPS, value "SWEEPS", omit "is_default", from sweep;
@@ -385,6 +388,7 @@ impl RunSettings {
         self.tolerance_of_energy_kt()?;
         self.check_equilibration()?;
         self.check_terms()?;
+        self.check_proton_moves()?;
         self.check_interaction()
     }
 

@@ -39,6 +39,7 @@ impl Trajectory {
     /// If the file cannot be written.
     pub fn append(&mut self, sweep: u64, simulation: &Simulation) -> Result<()> {
         let poses = simulation.system().poses();
+        let charges_e = simulation.net_charges_e();
         let box_lengths_angstrom = self
             .box_angstrom
             .unwrap_or_else(|| enclosing_box(poses, self.largest_radius_angstrom));
@@ -47,6 +48,7 @@ impl Trajectory {
             box_lengths_angstrom,
             poses,
             log: &logged(simulation),
+            charges_e: charges_e.as_deref(),
         })?)
     }
 
@@ -86,12 +88,14 @@ pub(crate) fn header(assembly: &Assembly) -> Result<Vec<Chunk>> {
 /// The present state as a frame.
 pub(crate) fn frame(sweep: u64, simulation: &Simulation, assembly: &Assembly) -> Vec<Chunk> {
     let poses = simulation.system().poses();
+    let charges_e = simulation.net_charges_e();
     let enclosing = || enclosing_box(poses, largest_radius_angstrom(assembly));
     frame_chunks(&TrajectoryFrame {
         step: sweep,
         box_lengths_angstrom: assembly.box_angstrom().unwrap_or_else(enclosing),
         poses,
         log: &logged(simulation),
+        charges_e: charges_e.as_deref(),
     })
 }
 

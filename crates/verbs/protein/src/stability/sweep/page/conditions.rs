@@ -41,6 +41,12 @@ pub fn section(
             settings.binding_moves_per_sweep.to_string(),
         ));
     }
+    if settings.proton_moves_per_sweep > 0 {
+        rows.push((
+            "moves of protons per sweep",
+            settings.proton_moves_per_sweep.to_string(),
+        ));
+    }
     let columns = vec![
         "salt (mM)",
         "relative permittivity",
