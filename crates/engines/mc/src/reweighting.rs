@@ -7,12 +7,17 @@
 //! exp(-f_k) = Σ_n exp(-u_k(x_n)) / Σ_l N_l exp(f_l - u_l(x_n)),
 //!
 //! which is solved for the f by putting them in on the right and taking them from the left until they
-//! stay. An average in any state u, simulated or not, is Σ_n w_n A(x_n) / Σ_n w_n with the weights
+//! stay. Between two rounds Newton's method tries a longer step: with the share p_kn of state k in the
+//! density at frame n, the states should have Σ_n p_kn = N_k frames, whose derivatives are
+//! ∂Σ_n p_kn/∂f_l = Σ_n p_kn (δ_kl - p_ln). It counts if the f settle faster by it.
+//!
+//! An average in any state u, simulated or not, is Σ_n w_n A(x_n) / Σ_n w_n with the weights
 //! w_n = exp(-u(x_n)) / Σ_l N_l exp(f_l - u_l(x_n)). Everything is kept as logarithms, so that nothing
 //! overflows.
 
 use crate::contributions::Reweighted;
 use crate::{McError, Result};
+use nalgebra::{DMatrix, DVector};
 
 /// Largest change of the f at which they count as settled.
 const TOLERANCE: f64 = 1e-10;
@@ -73,21 +78,19 @@ impl Mixture {
             ln_densities: vec![0.0; frames],
         };
         for _ in 0..MOST_ROUNDS {
-            // Densities from the present f, then f from
-            // the densities: one round of the fixed point.
-            mixture.ln_densities = mixture.densities(energies_kt, &ln_counts);
-            let mut next: Vec<f64> = energies_kt
-                .iter()
-                .map(|of_state| mixture.free_energy_kt(of_state))
-                .collect();
-            let first = next[0];
-            // Only differences of free energies count; without this they would drift together.
-            next.iter_mut().for_each(|energy| *energy -= first);
-            let before = std::mem::replace(&mut mixture.free_energies_kt, next);
-            let changes = before.iter().zip(&mixture.free_energies_kt);
-            let largest = changes.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            let largest = mixture.round(energies_kt, &ln_counts);
             if largest < TOLERANCE {
                 return Ok(mixture);
+            }
+            let Some(leap) = mixture.leap(energies_kt, &ln_counts) else {
+                continue;
+            };
+            let mut further = Self {
+                free_energies_kt: leap,
+                ln_densities: mixture.ln_densities.clone(),
+            };
+            if further.round(energies_kt, &ln_counts) < largest {
+                mixture = further;
             }
         }
         Err(McError::BadSystem(
@@ -95,6 +98,55 @@ impl Mixture {
              states between them"
                 .into(),
         ))
+    }
+
+    /// Densities from the present f, then f from the densities: one round of the fixed point. Returns the
+    /// largest change.
+    fn round(&mut self, energies_kt: &[Vec<f64>], ln_counts: &[f64]) -> f64 {
+        self.ln_densities = self.densities(energies_kt, ln_counts);
+        let of_states = energies_kt.iter();
+        let mut next: Vec<f64> = of_states
+            .map(|of_state| self.free_energy_kt(of_state))
+            .collect();
+        let first = next[0];
+        // Only differences of free energies count; without this they would drift together.
+        next.iter_mut().for_each(|energy| *energy -= first);
+        let before = std::mem::replace(&mut self.free_energies_kt, next);
+        let changes = before.iter().zip(&self.free_energies_kt);
+        let of_states = changes.map(|(a, b)| (a - b).abs());
+        // No number is no end: a maximum would pass over it.
+        of_states.fold(0.0, |most: f64, change| match change.is_nan() {
+            true => f64::INFINITY,
+            false => most.max(change),
+        })
+    }
+
+    /// Free energies after a step of Newton's method; `None` where states have too little in common.
+    fn leap(&self, energies_kt: &[Vec<f64>], ln_counts: &[f64]) -> Option<Vec<f64>> {
+        // The first f stays zero.
+        let states = ln_counts.len() - 1;
+        if states == 0 {
+            return None;
+        }
+        let mut missing =
+            DVector::from_iterator(states, ln_counts[1..].iter().map(|ln_count| ln_count.exp()));
+        let mut derivatives = DMatrix::zeros(states, states);
+        let mut shares = DVector::zeros(states);
+        for (frame, ln_density) in self.densities(energies_kt, ln_counts).iter().enumerate() {
+            for state in 0..states {
+                let free_kt = self.free_energies_kt[state + 1];
+                let ln_share = ln_counts[state + 1] + free_kt - energies_kt[state + 1][frame];
+                shares[state] = (ln_share - ln_density).exp();
+                missing[state] -= shares[state];
+                derivatives[(state, state)] += shares[state];
+            }
+            derivatives.ger(-1.0, &shares, &shares, 1.0);
+        }
+        let step = derivatives.cholesky()?.solve(&missing);
+        let is_finite = step.iter().all(|change| change.is_finite());
+        let moved = self.free_energies_kt[1..].iter().zip(&step);
+        let leap = std::iter::once(0.0).chain(moved.map(|(free, change)| free + change));
+        is_finite.then(|| leap.collect())
     }
 
     fn densities(&self, energies_kt: &[Vec<f64>], ln_counts: &[f64]) -> Vec<f64> {
@@ -153,7 +205,12 @@ impl Mixture {
         }
     }
 
-    fn ln_weights<'a>(&'a self, energies_kt: &'a [f64]) -> impl Iterator<Item = f64> + Clone + 'a {
+    /// ln of the weight of each frame in a state in which the frames have these energies, kT; weights
+    /// have no common scale until they are divided by their sum, exp(-f).
+    pub(crate) fn ln_weights<'a>(
+        &'a self,
+        energies_kt: &'a [f64],
+    ) -> impl Iterator<Item = f64> + Clone + 'a {
         let of_frames = energies_kt.iter().zip(&self.ln_densities);
         of_frames.map(|(energy_kt, ln_density)| -energy_kt - ln_density)
     }
