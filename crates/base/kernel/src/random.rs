@@ -56,8 +56,10 @@ pub enum Purpose {
     BoundState = 10,
     /// Configurations of the parts of an assembly.
     PartGrowth = 11,
+    /// Umbrella windows of the parts of an assembly.
+    PartWindows = 12,
     /// Protons that bodies take up and lose.
-    ProtonMove = 12,
+    ProtonMove = 13,
     /// The order in which samples are dealt into the parts of a split.
     Split = 60,
     /// Samples drawn with replacement for a confidence interval.

@@ -57,6 +57,11 @@ impl Configuration {
         0.5 * self.energies_kt.iter().sum::<f64>()
     }
 
+    /// Energy of a body with all others, kT.
+    pub fn row_sum_kt(&self, body: usize) -> f64 {
+        self.row_kt(body).iter().sum()
+    }
+
     fn row_kt(&self, body: usize) -> &[f64] {
         let bodies = self.poses.len();
         &self.energies_kt[body * bodies..(body + 1) * bodies]
@@ -64,7 +69,7 @@ impl Configuration {
 
     /// Change of the energy by a move, kT.
     pub fn change_kt(&self, moved: &Moved) -> f64 {
-        let before: f64 = self.row_kt(moved.body).iter().sum();
+        let before = self.row_sum_kt(moved.body);
         moved.energies_kt.iter().sum::<f64>() - before
     }
 
@@ -157,7 +162,12 @@ impl<'a> Flexible<'a> {
     }
 
     /// Whether a body at a pose is within the limits of the body that it is attached to and of those attached to it.
-    fn is_within_limits(&self, configuration: &Configuration, body: usize, pose: &Pose) -> bool {
+    pub fn is_within_limits(
+        &self,
+        configuration: &Configuration,
+        body: usize,
+        pose: &Pose,
+    ) -> bool {
         let into_body = pose.inverse();
         (1..self.part.bodies.len()).all(|attached| {
             let to = self.part.attached_to[attached];
@@ -171,25 +181,29 @@ impl<'a> Flexible<'a> {
         })
     }
 
-    /// Energies of a body at a pose with all others of the part, kT; `None` at overlap.
-    fn energies_kt(&self, poses: &[Pose], body: usize, pose: &Pose) -> Option<Vec<f64>> {
-        let bodies = &self.part.bodies;
-        let others = || {
-            let all = bodies.iter().copied().zip(poses).enumerate();
-            all.map(move |(number, (other, at))| (number == body, other, at))
-        };
+    /// Energies of a body at a pose with all others of the part that have one, kT; `None` at overlap.
+    pub fn energies_kt(&self, poses: &[Pose], body: usize, pose: &Pose) -> Option<Vec<f64>> {
         // Overlaps first: half of the trial poses have one, and an overlap costs less than an energy.
-        let overlaps = |(is_itself, other, at): (bool, usize, &Pose)| {
-            !is_itself && self.energies.overlap(bodies[body], other, pose, at)
-        };
-        if others().any(overlaps) {
+        if self.overlaps(poses, body, pose) {
             return None;
         }
-        let energy_kt = |(is_itself, other, at): (bool, usize, &Pose)| match is_itself {
+        let bodies = &self.part.bodies;
+        let energy_kt = |(other, at): (usize, &Pose)| match other == body {
             true => 0.0,
-            false => self.energies.energy_kt(bodies[body], other, pose, at),
+            false => self
+                .energies
+                .energy_kt(bodies[body], bodies[other], pose, at),
         };
-        Some(others().map(energy_kt).collect())
+        Some(poses.iter().enumerate().map(energy_kt).collect())
+    }
+
+    /// Whether a body at a pose overlaps another of the part that has one.
+    pub fn overlaps(&self, poses: &[Pose], body: usize, pose: &Pose) -> bool {
+        let bodies = &self.part.bodies;
+        let mut others = poses.iter().enumerate();
+        others.any(|(other, at)| {
+            other != body && self.energies.overlap(bodies[body], bodies[other], pose, at)
+        })
     }
 
     /// Weights of configurations of another medium in this one.

@@ -10,6 +10,8 @@
 //! independent from the first body to the last, so their spread is the error.
 
 use super::configuration::{BodyEnergies, Configuration, Flexible, Moved};
+use super::unbiased::attach_by_windows;
+use super::windows::{WindowSettings, WindowsFound};
 use super::{Arrangement, PartKind};
 use crate::nested::{Nested, Space, Step, Stepped, WANTED_STEPS, nested};
 use crate::pair::region::{Region, density};
@@ -33,6 +35,9 @@ pub struct GrowthSettings {
     /// A body belongs to a part within this of its pose relative to the body that it is attached to, Å (root mean
     /// square displacement).
     pub limit_angstrom: f64,
+    /// Umbrella windows in the place of nested sampling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub windows: Option<WindowSettings>,
 }
 
 impl Default for GrowthSettings {
@@ -42,6 +47,7 @@ impl Default for GrowthSettings {
             live_states: 40,
             runs: 4,
             limit_angstrom: 5.0,
+            windows: None,
         }
     }
 }
@@ -49,10 +55,10 @@ impl Default for GrowthSettings {
 /// Configurations of a part, and its partition function.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PartSamples {
-    runs: Vec<Run>,
+    pub(super) runs: Vec<Run>,
     /// Regions of the bodies from the second on.
-    regions: Vec<Region>,
-    attached: Attached,
+    pub(super) regions: Vec<Region>,
+    pub(super) attached: Attached,
 }
 
 /// Result of the integration over the last body of a part.
@@ -75,24 +81,27 @@ pub struct Attached {
     pub limit_angstrom: f64,
     /// Steps of the integration of which energies were computed.
     pub evaluations: u64,
+    /// Connection of the umbrella windows; `None` without windows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub windows: Option<WindowsFound>,
 }
 
 /// One run from the first body of a part to its last.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Run {
-    ln_partition: f64,
-    variance: f64,
-    configurations: Vec<Configuration>,
+pub(super) struct Run {
+    pub ln_partition: f64,
+    pub variance: f64,
+    pub configurations: Vec<Configuration>,
 }
 
 /// Part of the limit beyond which a displacement is near it.
-const NEAR_LIMIT: f64 = 0.8;
+pub(super) const NEAR_LIMIT: f64 = 0.8;
 /// Configurations that a run hands to the next body.
-const SAMPLES: usize = 64;
+pub(super) const SAMPLES: usize = 64;
 /// Moves of each body of each configuration before the next body is attached.
-const ROUNDS: usize = 20;
+pub(super) const ROUNDS: usize = 20;
 /// The most independent runs; streams of random numbers are told apart by them.
-const MOST_RUNS: u32 = 1000;
+pub(super) const MOST_RUNS: u32 = 1000;
 /// Parts up to this size move all their bodies while another is attached; in larger ones those near it move.
 const ALL_MOVE: usize = 6;
 
@@ -122,6 +131,7 @@ pub fn free_body(pose: Pose, settings: &GrowthSettings) -> PartSamples {
             share_at_limit: 0.0,
             limit_angstrom: settings.limit_angstrom,
             evaluations: 0,
+            windows: None,
         },
     }
 }
@@ -193,6 +203,7 @@ impl PartSamples {
                 share_at_limit: mean(&|_, poses| f64::from(u8::from(square(poses) > near_limit))),
                 limit_angstrom: self.attached.limit_angstrom,
                 evaluations: 0,
+                windows: self.attached.windows,
             },
             change_error,
             effective_samples: sum.powi(2) / squares,
@@ -248,7 +259,7 @@ impl PartSamples {
 /// work was ended. `number` tells the parts apart that share a seed; `goes_on` is asked after each step.
 ///
 /// # Errors
-/// [`McError::BadSetting`] for settings out of range.
+/// [`McError::BadSetting`] for settings out of range; [`McError::BadSystem`] for umbrella windows that have nothing in common.
 pub fn attach(
     arrangement: &Arrangement,
     (number, part): (u32, &PartKind),
@@ -258,6 +269,11 @@ pub fn attach(
     goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<PartSamples>> {
     settings.check()?;
+    if let Some(windows) = &settings.windows {
+        let part = (number, part);
+        let settings = (settings, windows);
+        return attach_by_windows(arrangement, part, smaller, energies, settings, goes_on);
+    }
     let new = Attachment::new(arrangement, part, settings.limit_angstrom);
     let without = PartKind {
         bodies: part.bodies[..part.bodies.len() - 1].to_vec(),
@@ -332,7 +348,7 @@ impl GrowthSettings {
         if !(0.1..=50.0).contains(&self.limit_angstrom) {
             return bad("limit of a part in Å", self.limit_angstrom, "0.1 to 50");
         }
-        Ok(())
+        self.windows.map_or(Ok(()), |windows| windows.check())
     }
 }
 
@@ -350,7 +366,7 @@ impl Stream {
 }
 
 /// Numbers of the bodies that move while the last is attached, in the part.
-fn near(arrangement: &Arrangement, part: &PartKind) -> Vec<usize> {
+pub(super) fn near(arrangement: &Arrangement, part: &PartKind) -> Vec<usize> {
     let others = 0..part.bodies.len() - 1;
     if part.bodies.len() - 1 <= ALL_MOVE {
         return others.collect();
@@ -368,23 +384,23 @@ fn near(arrangement: &Arrangement, part: &PartKind) -> Vec<usize> {
 }
 
 /// Place of the last body of a part.
-struct Attachment {
+pub(super) struct Attachment {
     /// Number of the body in the part that it is attached to.
     to: usize,
     /// Poses in the frame of that body.
-    region: Region,
+    pub region: Region,
 }
 
 /// Place of the last body by the weighted states of one run.
 #[derive(Debug, Clone, Copy)]
-struct Summary {
-    mean_square_displacement_angstrom2: f64,
-    share_at_limit: f64,
-    evaluations: u64,
+pub(super) struct Summary {
+    pub mean_square_displacement_angstrom2: f64,
+    pub share_at_limit: f64,
+    pub evaluations: u64,
 }
 
 impl Attachment {
-    fn new(arrangement: &Arrangement, part: &PartKind, limit_angstrom: f64) -> Self {
+    pub fn new(arrangement: &Arrangement, part: &PartKind, limit_angstrom: f64) -> Self {
         let last = part.bodies.len() - 1;
         let to = part.attached_to[last];
         let body = &arrangement.bodies[part.bodies[last]];
@@ -651,7 +667,7 @@ impl Space for Growth<'_> {
 }
 
 /// Result of all runs together.
-fn attached(runs: &[Run], summaries: &[Summary], limit_angstrom: f64) -> Attached {
+pub(super) fn attached(runs: &[Run], summaries: &[Summary], limit_angstrom: f64) -> Attached {
     let count = runs.len() as f64;
     let logs: Vec<f64> = runs.iter().map(|run| run.ln_partition).collect();
     let moments = RunningMoments::in_two_passes(&logs);
@@ -671,5 +687,6 @@ fn attached(runs: &[Run], summaries: &[Summary], limit_angstrom: f64) -> Attache
         share_at_limit: mean(&|run| run.share_at_limit),
         limit_angstrom,
         evaluations: summaries.iter().map(|run| run.evaluations).sum(),
+        windows: None,
     }
 }

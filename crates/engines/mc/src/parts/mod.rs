@@ -21,6 +21,9 @@
 //! | `connected` | the different connected parts, each with a smaller one that it grows from |
 //! | `configuration` | poses of the bodies of a part, and moves of one of them |
 //! | `growth` | partition functions by attaching one body after the other |
+//! | `windows` | umbrella windows from a part to a free body |
+//! | `pulled` | simulations in these windows, which exchange their states |
+//! | `unbiased` | partition functions from the windows, in the place of growth |
 //! | `mass_action` | concentrations of all parts at total concentrations |
 
 mod arrangement;
@@ -28,13 +31,20 @@ mod configuration;
 mod connected;
 mod growth;
 mod mass_action;
+mod pulled;
+mod unbiased;
+mod windows;
 
 pub use arrangement::{Arrangement, PlacedBody};
 pub use configuration::BodyEnergies;
 pub use connected::{ConnectedParts, PartKind, connected_parts};
 pub use growth::{Attached, GrowthSettings, PartSamples, Weighted, attach, free_body};
 pub use mass_action::{Species, free_concentrations, species_concentrations};
+pub use windows::{WindowSettings, WindowsFound};
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod window_tests;

@@ -10,7 +10,7 @@ const TWIST_KT_PER_RAD2: f64 = 400.0;
 const WELL_KT: f64 = -14.0;
 
 /// Bodies around an axis, alternating between two species if there are two; neighbours touch.
-fn ring(bodies: usize, species: usize) -> Arrangement {
+pub(super) fn ring(bodies: usize, species: usize) -> Arrangement {
     let body = |number: usize| {
         let rotation = Rotation::new(Vec3::z() * (TAU * number as f64 / bodies as f64));
         let pose = Pose {
@@ -30,7 +30,10 @@ fn ring(bodies: usize, species: usize) -> Arrangement {
     })
 }
 
-fn with_neighbours(bodies: Vec<PlacedBody>, touch: impl Fn(usize, usize) -> bool) -> Arrangement {
+pub(super) fn with_neighbours(
+    bodies: Vec<PlacedBody>,
+    touch: impl Fn(usize, usize) -> bool,
+) -> Arrangement {
     let count = bodies.len();
     let neighbours: Vec<Vec<usize>> = (0..count)
         .map(|i| (0..count).filter(|j| *j != i && touch(i, *j)).collect())

@@ -180,6 +180,7 @@ impl StabilityArgs {
                 live_states: self.live_states,
                 runs: self.runs,
                 limit_angstrom: self.limit,
+                windows: None,
             },
             medium: InteractionSettings {
                 temperature_kelvin: self.temperature,
