@@ -773,6 +773,10 @@ fn the_answer_names_the_half_salt_or_says_why_not() {
     // So short a run keeps its start.
     let apart = answer("--sweeps 40 --equilibration 0 --starts both", "apart");
     assert_eq!(apart["equilibrated"], serde_json::json!(false));
+    assert_eq!(
+        (&alike["equilibrium"], &apart["equilibrium"]),
+        (&"unknown".into(), &"no".into())
+    );
     assert!(apart["half_salt_molar"].is_null());
     let words = apart["equilibration"].as_str().unwrap();
     assert!(words.starts_with("not equilibrated: at "), "{words}");
@@ -917,6 +921,7 @@ fn drawn(starts: Starts, fractions: impl Fn(u32, usize) -> f64) -> Value {
         salts.push(SaltRow::new(*salt_molar, &interaction, replicas));
     }
     let figure = figure(&SweepResult {
+        equilibrium: "unknown".into(),
         warnings: Vec::new(),
         version: String::new(),
         model: "thesis".into(),

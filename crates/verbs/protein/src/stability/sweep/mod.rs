@@ -83,7 +83,7 @@ impl Answer for SweepResult {
                 format!("{:.2}", row.energy_mean_kt),
             ]);
         }
-        let mut lines = vec![columns(&rows)];
+        let mut lines = vec![self.stability.verdict(), columns(&rows)];
         for exchanged in &self.exchanges {
             lines.push(exchanged.text());
         }
@@ -517,9 +517,11 @@ impl Campaign for Sweep<'_> {
         let gap_angstrom = self.settings.contact_gap_angstrom;
         let native = contacts(&self.engine.system()?, gap_angstrom).len();
         let is_open = matches!(assembly.boundary, Boundary::Open);
+        let stability = Stability::new(self.settings, &replicas, native, is_open);
         let result = SweepResult {
+            equilibrium: stability.equilibrium().into(),
             warnings: self.warnings(&salts, &replicas)?,
-            stability: Stability::new(self.settings, &replicas, native, is_open),
+            stability,
             exchanges,
             version: env!("CARGO_PKG_VERSION").into(),
             model: self.settings.model_name(&assembly.bodies).into(),

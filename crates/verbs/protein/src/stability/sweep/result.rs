@@ -15,6 +15,9 @@ pub(super) const RESULT: &str = "sweep.json";
 /// The result of a sweep.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepResult {
+    /// Whether the results are those of an equilibrium: `yes`, `no` or `unknown`.
+    #[serde(default = "unknown")]
+    pub equilibrium: Cow<'static, str>,
     /// Version of the program.
     pub version: String,
     /// Name of the model whose terms these are, or `own terms`.
@@ -47,6 +50,11 @@ pub struct SweepResult {
     /// The log of the only simulation; empty if there are several.
     #[serde(skip)]
     pub time_series: Vec<LogRow>,
+}
+
+/// The verdict in results of earlier versions, which had it in `equilibrated` alone.
+fn unknown() -> Cow<'static, str> {
+    "unknown".into()
 }
 
 impl SweepResult {

@@ -3,6 +3,7 @@
 use super::half_salt::{FractionAt, HalfSalt, half_salt};
 use super::table::ReplicaResult;
 use crate::stability::run::{RunSettings, Start};
+use protomer_common::page::Verdict;
 use protomer_kernel::statistics::Summary;
 use serde::{Deserialize, Serialize};
 
@@ -156,8 +157,22 @@ impl Stability {
                 with_interval(salt, interval)
             ));
         }
-        lines.push(self.equilibration.clone());
         lines
+    }
+
+    /// Whether the runs are those of an equilibrium: `yes`, `no` or `unknown`.
+    pub fn equilibrium(&self) -> &'static str {
+        match self.equilibrated {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "unknown",
+        }
+    }
+
+    /// The verdict on the equilibrium with its reason, in words.
+    pub fn verdict(&self) -> String {
+        let verdict = Verdict::equilibrated(self.equilibrated, &self.equilibration);
+        format!("equilibrium: {} ({})", self.equilibrium(), verdict.reason)
     }
 }
 
