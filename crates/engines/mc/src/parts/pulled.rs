@@ -286,7 +286,7 @@ impl Pulled<'_> {
     }
 }
 
-/// Which end of the windows each walker met last.
+/// Ends of the windows that the walkers met last.
 struct Trips {
     met_outer: Vec<Option<bool>>,
 }

@@ -35,7 +35,7 @@ const SPACING: f64 = 1.5;
 /// Fewest and most windows.
 const WINDOWS: (usize, usize) = (4, 400);
 /// Fewest and most sweeps.
-const SWEEPS: (u64, u64) = (100, 1_000_000_000);
+const SWEEPS: (u64, u64) = (100, 1_000_000);
 
 impl WindowSettings {
     /// Refuses settings out of range.
@@ -54,17 +54,13 @@ impl WindowSettings {
             return bad("number of windows", self.windows as f64, "4 to 400");
         }
         if !(SWEEPS.0..=SWEEPS.1).contains(&self.sweeps) {
-            return bad(
-                "sweeps of a window",
-                self.sweeps as f64,
-                "100 to 1 000 000 000",
-            );
+            return bad("sweeps of a window", self.sweeps as f64, "100 to 1 000 000");
         }
         Ok(())
     }
 }
 
-/// How well the windows of all runs hang together.
+/// Connection of the windows of all runs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WindowsFound {

@@ -121,6 +121,53 @@ fn a_ring_falls_apart_with_salt_and_says_where() {
     );
 }
 
+/// Umbrella windows and nested sampling are two ways to one number.
+#[test]
+fn a_biased_simulation_has_the_free_energy_of_mass_action() {
+    let place = patchy();
+    let common = "--salt 500mM --concentration 10mM --model thesis -q --json";
+    let grown = answer(
+        &place,
+        &format!("stability pair.json --live-states 60 --runs 4 {common}"),
+    );
+    let pulled = answer(
+        &place,
+        &format!("stability pair.json --way biased --sweeps 12000 --runs 4 -o pulled {common}"),
+    );
+    assert_eq!(pulled["way"], "biased simulation");
+    assert_eq!(pulled["equilibrated"], "yes", "{}", pulled["equilibration"]);
+    let whole = |found: &Value| found["conditions"][0]["parts"][1].clone();
+    let (a, b) = (whole(&grown), whole(&pulled));
+    let number = |part: &Value, key: &str| part[key].as_f64().unwrap();
+    let error = number(&a, "free_energy_error_kt").hypot(number(&b, "free_energy_error_kt"));
+    let apart = number(&a, "free_energy_kt") - number(&b, "free_energy_kt");
+    assert!(error < 0.6 && apart.abs() < 3.0 * error, "{a} {b}");
+    assert!(b["windows"]["round_trips"].as_u64().unwrap() > 0, "{b}");
+    assert!(a["windows"].is_null(), "{a}");
+    // Other settings are other work.
+    let other = place.run(&format!("stability pair.json -o pulled {common}"));
+    assert!(
+        message(&other).contains("other settings"),
+        "{}",
+        message(&other)
+    );
+    let few = place.run(&format!(
+        "stability pair.json --way biased --windows 4 --sweeps 100 {common}"
+    ));
+    assert!(
+        message(&few).contains("--windows")
+            || String::from_utf8_lossy(&few.stdout).contains("--windows"),
+        "{}",
+        message(&few)
+    );
+    let stray = place.run(&format!("stability pair.json --windows 30 {common}"));
+    assert!(
+        message(&stray).contains("add --way biased"),
+        "{}",
+        message(&stray)
+    );
+}
+
 #[test]
 fn equal_seeds_give_equal_bytes_with_any_threads_and_after_a_stop() {
     let place = patchy();

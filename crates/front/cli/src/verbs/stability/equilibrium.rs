@@ -4,19 +4,21 @@ use crate::flags::body::{ChainGroupArgs, ProtonationArgs, SelectionArgs};
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::model::ModelArgs;
 use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::settings::choice;
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::ContactArgs;
 use crate::front::Front;
 use crate::reply::Reply;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use protomer_common::{quantity, range};
+use protomer_kernel::setting::Choices;
 use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::DEFAULT_CONTACT_GAP_ANGSTROM;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::equilibrium::{
-    GrowthSettings, StabilityBodies, StabilitySettings, StructureChoices, refuse_other_settings,
-    run_stability, run_stability_shard,
+    GrowthSettings, StabilityBodies, StabilitySettings, StructureChoices, Way, WindowSettings,
+    refuse_other_settings, run_stability, run_stability_shard,
 };
 use protomer_protein_verbs::stability::interaction::InteractionSettings;
 use protomer_protein_verbs::stability::model::Model;
@@ -73,6 +75,15 @@ pub struct StabilityArgs {
     /// Independent runs of each part, whose spread is the error.
     #[arg(long, default_value_t = GrowthSettings::default().runs, value_parser = range::OBJECTS.at_least(2).number::<u32>())]
     runs: u32,
+    /// Way to the partition functions of the parts.
+    #[arg(long, value_parser = choice::<Way>(), default_value = Way::MassAction.name())]
+    way: Way,
+    /// Umbrella windows between a part and a free body, for --way biased [default: 24].
+    #[arg(long, value_parser = range::OBJECTS.at_least(4).number::<usize>())]
+    windows: Option<usize>,
+    /// Sweeps of each window, for --way biased [default: 4000].
+    #[arg(long, value_parser = range::OBJECTS.at_least(100).number::<u64>())]
+    sweeps: Option<u64>,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -162,6 +173,21 @@ impl StabilityArgs {
         self.model.model().unwrap_or(Model::Natural1)
     }
 
+    /// Umbrella windows, if the way has them.
+    fn windows(&self) -> Result<Option<WindowSettings>> {
+        let usual = WindowSettings::default();
+        if self.way == Way::Biased {
+            return Ok(Some(WindowSettings {
+                windows: self.windows.unwrap_or(usual.windows),
+                sweeps: self.sweeps.unwrap_or(usual.sweeps),
+            }));
+        }
+        if self.windows.is_some() || self.sweeps.is_some() {
+            bail!("--windows and --sweeps belong to simulations with a bias; add --way biased");
+        }
+        Ok(None)
+    }
+
     fn settings(&self) -> Result<StabilitySettings> {
         let model = self.named_model();
         let contacts = self
@@ -180,7 +206,7 @@ impl StabilityArgs {
                 live_states: self.live_states,
                 runs: self.runs,
                 limit_angstrom: self.limit,
-                windows: None,
+                windows: self.windows()?,
             },
             medium: InteractionSettings {
                 temperature_kelvin: self.temperature,

@@ -24,6 +24,7 @@ impl Answer for StabilityResult {
             self.table(),
             self.parts_in_words(),
             self.headline(),
+            self.box_in_words(),
             format!("model: {}", self.model),
         ];
         lines.retain(|line| !line.is_empty());
@@ -56,6 +57,19 @@ impl Answer for StabilityPart {
 }
 
 impl StabilityResult {
+    /// The proposed box, and its use.
+    fn box_in_words(&self) -> String {
+        let at = concentration_in_words(self.settings.concentration_molar[0]);
+        self.proposed_box_angstrom
+            .map_or(String::new(), |edge| {
+                format!(
+                    "box: {edge:.0} Å for {} bodies at {at}; mass action needs none, simulate and sweep take it from \
+                     assembly/assembly.json",
+                    self.bodies
+                )
+            })
+    }
+
     fn table(&self) -> String {
         let mut rows = vec![heading([
             "pH",

@@ -22,11 +22,15 @@ pub(super) fn path_in(assembly: &Assembly, directory: &Path) -> Option<PathBuf> 
     }
 }
 
-/// Writes an assembly that has no file.
+/// Writes an assembly that has no file, with a box of this edge, Å.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub(super) fn keep(assembly: &Assembly, directory: &Path) -> Result<()> {
+pub(super) fn keep(
+    assembly: &Assembly,
+    edge_angstrom: Option<f64>,
+    directory: &Path,
+) -> Result<()> {
     if assembly.path.is_some() {
         return Ok(());
     }
@@ -44,7 +48,7 @@ pub(super) fn keep(assembly: &Assembly, directory: &Path) -> Result<()> {
     }
     let placed = assembly.kinds.iter().zip(&assembly.poses);
     let file = AssemblyFile {
-        box_angstrom: None,
+        box_angstrom: edge_angstrom.map(|edge| [edge; 3]),
         wall_radius_angstrom: None,
         placements: placed
             .map(|(kind, pose)| Placement::new(&assembly.bodies[*kind].name, pose))

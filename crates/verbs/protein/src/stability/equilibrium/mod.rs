@@ -19,12 +19,14 @@
 //! | `yields` | the law of mass action, with errors and half yields |
 //! | `result` | what is found, and its table |
 //! | `assembly` | the bodies of a structure, kept for the page and for other verbs |
+//! | `box_proposal` | the box in which other verbs simulate them |
 //! | `answer` | the answer in words and files |
 //! | `figure` | yields against salt |
 //! | [`page`] | the page of a directory |
 
 mod answer;
 mod assembly;
+mod box_proposal;
 mod condition;
 pub mod figure;
 mod input;
@@ -38,11 +40,11 @@ mod yields;
 
 pub use answer::StabilityPart;
 pub use input::{StabilityBodies, StructureChoices};
-pub use protomer_mc::parts::GrowthSettings;
+pub use protomer_mc::parts::{GrowthSettings, WindowSettings};
 pub use result::{
     ConditionRow, HalfSaltRow, PartAtCondition, PartRow, SpeciesRow, StabilityResult,
 };
-pub use settings::StabilitySettings;
+pub use settings::{StabilitySettings, Way};
 pub use yields::Mixture;
 
 use crate::assemblies::assembly_file::Assembly;
@@ -259,8 +261,12 @@ impl<'a> Campaign for Conditions<'a> {
     }
 
     fn collect(&self, found: Vec<Self::Part>) -> Result<StabilityResult> {
-        let result = StabilityResult::new(self.bodies, self.plan, self.settings, &found);
-        assembly::keep(self.bodies.first(), self.directory)?;
+        let result = StabilityResult::new(self.bodies, self.plan, self.settings, &found)?;
+        assembly::keep(
+            self.bodies.first(),
+            result.proposed_box_angstrom,
+            self.directory,
+        )?;
         result.write(self.directory)?;
         Ok(result)
     }

@@ -1,11 +1,13 @@
 //! The equilibrium of an assembly and its parts, as JSON has it.
 
-use super::StabilitySettings;
+use super::box_proposal::proposed_box_angstrom;
 use super::condition::{ConditionParts, MOST_AT_LIMIT, PartFound};
 use super::input::StabilityBodies;
 use super::plan::Plan;
 use super::yields::{Interval, Mixture, PartLogs, half_salt};
-use protomer_mc::parts::PartKind;
+use super::{StabilitySettings, Way};
+use anyhow::Result;
+use protomer_mc::parts::{PartKind, WindowsFound};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -15,6 +17,11 @@ const SAME_PLACE_ANGSTROM: f64 = 2.5;
 const LEAST_SHARE: f64 = 0.01;
 /// Largest error of a logarithm of a partition function that an answer may rest on.
 const MOST_ERROR: f64 = 3.0;
+
+/// Smallest share of accepted exchanges with which windows overlap.
+const LEAST_EXCHANGED: f64 = 0.03;
+/// Fewest frames, by weight, of the bound part and of the free body.
+const FEWEST_FRAMES: f64 = 40.0;
 
 /// The equilibrium of an assembly and its parts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,6 +34,9 @@ pub struct StabilityResult {
     pub input_sha256: String,
     /// Number of bodies.
     pub bodies: usize,
+    /// Edge of the cubic box that is proposed for simulations of the bodies of a structure, Å; `None` for an assembly file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub proposed_box_angstrom: Option<f64>,
     /// Species of the bodies, with their numbers in the assembly.
     pub species: Vec<SpeciesRow>,
     /// Way of the answer.
@@ -132,6 +142,9 @@ pub struct PartAtCondition {
     pub share_at_limit: Option<f64>,
     /// The limit, Å.
     pub limit_angstrom: Option<f64>,
+    /// Connection of the umbrella windows, where the way has them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub windows: Option<WindowsFound>,
 }
 
 impl PartAtCondition {
@@ -144,6 +157,7 @@ impl PartAtCondition {
             displacement_angstrom: found.map(|part| part.displacement_angstrom),
             share_at_limit: found.map(|part| part.share_at_limit),
             limit_angstrom: found.map(|part| part.limit_angstrom),
+            windows: found.and_then(|part| part.windows),
         }
     }
 
@@ -161,9 +175,28 @@ impl PartAtCondition {
                 "lies far from the arrangement of the assembly: the model prefers another",
             );
         }
-        above(self.free_energy_error_kt, MOST_ERROR)
-            .then_some("has too large an error; raise --live-states")
+        if let Some(doubt) = self.windows.as_ref().and_then(doubt_of_windows) {
+            return Some(doubt);
+        }
+        above(self.free_energy_error_kt, MOST_ERROR).then_some(match self.windows {
+            None => "has too large an error; raise --live-states",
+            Some(_) => "has too large an error; raise --sweeps",
+        })
     }
+}
+
+/// Reason why a free energy from windows cannot be trusted.
+fn doubt_of_windows(windows: &WindowsFound) -> Option<&'static str> {
+    if windows.least_exchanged < LEAST_EXCHANGED {
+        return Some("has windows that hardly overlap; raise --windows");
+    }
+    if windows.round_trips == 0 {
+        return Some(
+            "was in no simulation pulled apart and put together again, so it rests on the starts; raise --sweeps",
+        );
+    }
+    let frames = windows.bound_frames.min(windows.free_frames);
+    (frames < FEWEST_FRAMES).then_some("rests on too few frames; raise --sweeps")
 }
 
 impl StabilityResult {
@@ -172,7 +205,7 @@ impl StabilityResult {
         plan: &Plan,
         settings: &StabilitySettings,
         found: &[(Option<f64>, ConditionParts)],
-    ) -> Self {
+    ) -> Result<Self> {
         let seed = settings.sampling.seed;
         let mut conditions = Vec::new();
         for (ph, of_ph) in found {
@@ -209,9 +242,10 @@ impl StabilityResult {
             model: settings.model_name(&assembly.bodies).into(),
             input_sha256: bodies.sha256.clone(),
             bodies: assembly.len(),
+            proposed_box_angstrom: proposed_box_angstrom(assembly, settings)?,
             species: species_rows(bodies, plan),
-            way: "mass action".into(),
-            reason: reason(plan),
+            way: way_in_words(settings).into(),
+            reason: reason(plan, settings),
             equilibrated: if doubts.is_empty() { "yes" } else { "unknown" }.into(),
             equilibration: String::new(),
             half_salt_molar: first.and_then(|row| row.half_salt_molar),
@@ -229,7 +263,7 @@ impl StabilityResult {
             None => "partition functions of all parts that hold a share of the bodies lie in their wells".into(),
             Some(doubt) => doubt.trim_start_matches("warning: ").to_owned(),
         };
-        result
+        Ok(result)
     }
 
     /// Salt of half yield in words.
@@ -351,7 +385,14 @@ fn part_rows(bodies: &StabilityBodies, plan: &Plan) -> Vec<PartRow> {
     plan.parts.parts.iter().map(row).collect()
 }
 
-fn reason(plan: &Plan) -> String {
+fn way_in_words(settings: &StabilitySettings) -> &'static str {
+    match settings.way() {
+        Way::MassAction => "mass action",
+        Way::Biased => "biased simulation",
+    }
+}
+
+fn reason(plan: &Plan, settings: &StabilitySettings) -> String {
     let omitted: usize = plan.parts.omitted.iter().sum();
     let all = match omitted {
         0 => "all its different connected parts".to_owned(),
@@ -361,10 +402,18 @@ fn reason(plan: &Plan) -> String {
         ),
     };
     let bodies = plan.arrangement.bodies.len();
-    format!(
-        "the assembly has {bodies} bodies, and {all} ({}) are integrated: no simulation has to wait for bodies to part",
-        plan.parts.parts.len()
-    )
+    let count = plan.parts.parts.len();
+    match settings.sampling.windows {
+        None => format!(
+            "the assembly has {bodies} bodies, and {all} ({count}) are integrated: no simulation has to wait for bodies to \
+             part"
+        ),
+        Some(windows) => format!(
+            "the assembly has {bodies} bodies, and from {all} ({count}) one body is pulled out in {} umbrella windows that \
+             exchange states; mass action weighs the parts",
+            windows.windows
+        ),
+    }
 }
 
 /// Warnings about parts that hold a share of the bodies and whose free energy cannot be trusted.

@@ -85,6 +85,16 @@ impl Settings for StabilitySettings {
     }
 }
 
+protomer_kernel::choices! {
+    /// A way to the partition functions of parts.
+    pub enum Way, default MassAction {
+        /// Nested sampling of each part, body by body.
+        MassAction = "mass-action",
+        /// Simulations in umbrella windows, in which the last body of each part is pulled out and comes back.
+        Biased = "biased",
+    }
+}
+
 /// Conditions of salt and pH at most.
 const MOST_CONDITIONS: usize = 10_000;
 
@@ -167,6 +177,14 @@ impl StabilitySettings {
             contacts: self.contacts,
             medium: self.medium.clone(),
             ..inspection_settings(EnergyMode::Direct, None, self.contact_gap_angstrom)
+        }
+    }
+
+    /// The way to the partition functions.
+    pub(super) fn way(&self) -> Way {
+        match self.sampling.windows {
+            None => Way::MassAction,
+            Some(_) => Way::Biased,
         }
     }
 
