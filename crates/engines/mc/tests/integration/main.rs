@@ -23,4 +23,5 @@ mod scattering;
 mod terms;
 #[path = "../../../../../tests/test_data.rs"]
 mod test_data;
+mod three_ways;
 mod two_bodies;

@@ -14,11 +14,11 @@ use protomer_mc::parts::{
 };
 use std::f64::consts::FRAC_PI_2;
 
-const LIMIT_ANGSTROM: f64 = 5.0;
+pub(super) const LIMIT_ANGSTROM: f64 = 5.0;
 const BODIES: usize = 4;
 
 /// A cube of 10 Å with four positive charges near one face and four negative ones near the next.
-fn patchy() -> BodyType {
+pub(super) fn patchy(charge: f64) -> BodyType {
     let corner = |bits: usize| {
         Vec3::new(
             bits as f64 % 2.0,
@@ -46,8 +46,8 @@ fn patchy() -> BodyType {
     let mut charges = Vec::new();
     for a in [-3.0, 3.0] {
         for b in [-3.0, 3.0] {
-            charges.push((Vec3::new(4.2, a, b), 1.4));
-            charges.push((Vec3::new(a, 4.2, b), -1.4));
+            charges.push((Vec3::new(4.2, a, b), charge));
+            charges.push((Vec3::new(a, 4.2, b), -charge));
         }
     }
     BodyType::new(
@@ -62,13 +62,13 @@ fn patchy() -> BodyType {
 }
 
 /// Cubes whose contacts outside the tree of a part have a part of their energy.
-struct Cubes {
-    kind: BodyType,
-    charged: Charged,
+pub(super) struct Cubes {
+    pub kind: BodyType,
+    pub charged: Charged,
     /// Pairs of bodies that are attached to each other.
-    tree: Vec<(usize, usize)>,
+    pub tree: Vec<(usize, usize)>,
     /// Part of the energy of all other pairs.
-    closing: f64,
+    pub closing: f64,
 }
 
 impl Cubes {
@@ -101,7 +101,7 @@ impl BodyEnergies for Cubes {
 }
 
 /// Four cubes around an axis, the positive patch of each on the negative one of the next.
-fn ring(kind: &BodyType) -> Arrangement {
+pub(super) fn ring(kind: &BodyType) -> Arrangement {
     let corners = [[0.0, 0.0], [10.4, 0.0], [10.4, 10.4], [0.0, 10.4]];
     let body = |number: usize| {
         let [x, y] = corners[number];
@@ -313,7 +313,7 @@ fn staged(arrangement: &Arrangement, parts: &[PartKind], cubes: &Cubes, sweeps: 
 #[test]
 #[ignore = "takes three minutes of processor time"]
 fn a_ring_of_patchy_cubes_closes_as_a_ladder_of_simulations_finds() {
-    let kind = patchy();
+    let kind = patchy(1.4);
     let arrangement = ring(&kind);
     let found = connected_parts(&arrangement, 10).unwrap();
     let whole = found.parts.last().unwrap();
