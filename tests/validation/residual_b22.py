@@ -52,8 +52,8 @@ VOXELS = ["--size", "24", "--spacing", "2", "--channels", "shape,potential", "--
 NETWORK = ["--target", "number", "--loss", "normal", "--groups", "0", "--widths", "8,16,32", "--batch", "8", "--learning-rate", "0.002", "--permutations", "0"]
 CHARGED = {"ASP", "GLU", "LYS", "ARG"}
 SEED = 1
-ENSEMBLE, EPOCHS = (1, 2), 60
-"""Seeds of the networks that vote, and passes over the training part."""
+ENSEMBLE, VOTERS, EPOCHS = (1,), (1, 2), 60
+"""Seeds of the networks, of those that vote in active learning, and passes over the training part."""
 STEPS, TRIED = 8, 4
 """Most exchanges of a proposal, and candidates of the gradient that are tried before it stops."""
 
@@ -335,7 +335,7 @@ def chosen_by(output, table, arm):
     parts = [train]
     for number in range(ROUNDS):
         if arm == "uncertain":
-            spread = ensemble(output, table, f"{arm}-{number}" if number else f"{FIRST}-of-each", train, residual(table, train)).std(axis=0)
+            spread = ensemble(output, table, f"{arm}-{number}" if number else f"{FIRST}-of-each", train, residual(table, train), VOTERS).std(axis=0)
         else:
             spread = np.random.default_rng([SEED, 100]).random(len(table.names))
         train = train.copy()
@@ -351,7 +351,7 @@ def stage_rounds(output):
     table = Table(output)
     for arm in ("uncertain", "random"):
         train = chosen_by(output, table, arm)[-1]
-        ensemble(output, table, f"{arm}-{ROUNDS}", train, residual(table, train))
+        ensemble(output, table, f"{arm}-{ROUNDS}", train, residual(table, train), VOTERS)
 
 
 # Mutants
@@ -539,15 +539,16 @@ def stage_report(output):
         both = stacked(left, held, fitted, network)
         cells = [cell(explained(true_left[judged], said[judged])) for said in (energy, correlations, network, both)]
         print(f"| {name} ({train.sum()}) | {cell(of_y)} | {' | '.join(cells)} | {cell(gained(true_left[judged], both[judged], correlations[judged]), '+')} |")
-        if not without:
+        if not known:
+            # The largest training comes first.
             judged_last = {"test": test, "left": true_left, "network": network}
         known[name] = {"network": explained(true_left[judged], network[judged]), "correlations": explained(true_left[judged], correlations[judged]), "count": int(train.sum())}
     for arm in ("uncertain", "random"):
         folder = f"{arm}-{ROUNDS}"
-        if all((output / "networks" / f"{folder}-{seed}" / "all.csv").exists() for seed in ENSEMBLE):
+        if all((output / "networks" / f"{folder}-{seed}" / "all.csv").exists() for seed in VOTERS):
             train = chosen_by(output, table, arm)[-1]
             left = residual(table, train)
-            said = ensemble(output, table, folder, train, left).mean(axis=0) + table.y - left
+            said = ensemble(output, table, folder, train, left, VOTERS).mean(axis=0) + table.y - left
             known[arm] = said
             print(f"\n{arm}: {train.sum()} labels, of B2 itself {cell(explained(table.truth[test], said[test]))}, rms error {np.sqrt(((said - table.truth)[test] ** 2).mean()):.4f}")
     if "random" in known:
@@ -585,6 +586,8 @@ def draw(path, table, known, judged):
         errors = np.abs(values[:, 1:].T - values[:, 0])
         right.errorbar(counts, values[:, 0], yerr=errors, fmt="o-", color=colour, capsize=3, label=kind)
     right.set_xscale("log")
+    right.set_xticks(counts, map(str, counts))
+    right.minorticks_off()
     right.set_xlabel("labels in training")
     right.set_ylabel("variance of the residual explained, test part")
     right.legend(frameon=False)
