@@ -12,7 +12,7 @@ none is named, and each does only what is not there yet:
     networks   networks on everything but the test part, on shares of it, and without one parent each
     rounds     active learning: labels where two networks differ most, compared with as many random ones
     mutants    five patterns proposed by the gradient of the networks, checked by `pair` with full statistics
-    report     tables, report.json and the figure
+    report     tables and the figure
 
 PROTOMER names another program. Needs numpy, scipy, zarr and matplotlib. One thread. The same command continues what was stopped.
 """
