@@ -166,6 +166,18 @@ pub enum Error {
     /// A log differs from what its checkpoint vouches for.
     #[error("{} was changed since its checkpoint; restore it, or start again with --force", .0.display())]
     ChangedLog(PathBuf),
+    /// A log lacks a column, or has one that this version does not write.
+    #[error(
+        "the log {} has {problem}, so another version wrote it; continue with that version, or start \
+         again with --force",
+        path.display()
+    )]
+    OtherColumns {
+        /// The log.
+        path: PathBuf,
+        /// The column that is missing or unknown.
+        problem: String,
+    },
     /// A line of a log is not a row.
     #[error("{}:{line}: '{text}' is not a row of a log; run again with --force", path.display())]
     NotARow {

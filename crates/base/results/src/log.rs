@@ -16,12 +16,18 @@ pub trait Row: Sized {
     /// The names of the columns, in order.
     fn columns() -> Vec<&'static str>;
 
+    /// The columns that logs of earlier versions may lack.
+    fn later_columns() -> Vec<&'static str> {
+        Vec::new()
+    }
+
     /// The cells of the row. Numbers must read back exactly, as with Rust's formatting of floats,
     /// which prints the shortest decimal that does.
     fn to_cells(&self) -> Vec<String>;
 
-    /// Parses cells; `None` if they are not a row.
-    fn from_cells(cells: &[String]) -> Option<Self>;
+    /// Parses a cell for each column, `None` for a later column that the log lacks; `None` if they
+    /// are not a row.
+    fn from_cells(cells: &[Option<&str>]) -> Option<Self>;
 
     /// The curves of a figure of the log, panel by panel.
     fn curves() -> Vec<Curve<Self>> {
@@ -139,9 +145,9 @@ impl Cell for Vec<f64> {
 /// Declares a struct that is a [`Row`], with a column for each field, in their order: a [`Cell`] under
 /// the name of the field, or under another name in parentheses.
 ///
-/// The last fields may have values for the logs of earlier versions, which lack all of these columns. A
-/// field may state the panel of the figure of the log in which it is drawn, and the names of its parts
-/// there.
+/// A field may have a value for the logs of earlier versions, which lack its column: logs are read by
+/// the names in their heading. A field may state the panel of the figure of the log in which it is drawn,
+/// and the names of its parts there.
 ///
 /// ```
 /// use protomer_results::{Row, log_row};
@@ -162,10 +168,9 @@ impl Cell for Vec<f64> {
 /// let place = Place { step: 3, position_metre: 0.1, velocity: vec![1.0, -0.5] };
 /// assert_eq!(Place::columns(), ["step", "position_m", "velocity"]);
 /// assert_eq!(place.to_cells(), ["3", "0.1", "1 -0.5"]);
-/// assert_eq!(Place::from_cells(&place.to_cells()).as_ref(), Some(&place));
-/// let earlier = ["3", "0.1"].map(String::from);
+/// let earlier = [Some("3"), Some("0.1"), None];
 /// assert_eq!(Place::from_cells(&earlier).unwrap().velocity, [0.0, 0.0]);
-/// assert_eq!(Place::from_cells(&earlier[..1]), None);
+/// assert_eq!(Place::from_cells(&[Some("3"), None, Some("1 -0.5")]), None);
 ///
 /// let curves = Place::curves();
 /// let drawn = curves.iter().map(|curve| (curve.panel, curve.name, curve.value(&place)));
@@ -210,15 +215,16 @@ macro_rules! log_row {
                 vec![$($crate::log::Cell::write(&self.$field)),*]
             }
 
-            fn from_cells(cells: &[String]) -> Option<Self> {
-                let all = Self::columns().len();
-                let later: &[&str] = &[$($(stringify!($earlier),)?)*];
-                if ![all, all - later.len()].contains(&cells.len()) {
-                    return None;
-                }
+            fn later_columns() -> Vec<&'static str> {
+                let texts = [$(concat!("" $(, stringify!($earlier))?)),*];
+                let columns = Self::columns().into_iter().zip(texts);
+                columns.filter(|(_, text)| !text.is_empty()).map(|(name, _)| name).collect()
+            }
+
+            fn from_cells(cells: &[Option<&str>]) -> Option<Self> {
                 let mut cells = cells.iter();
                 Some(Self {
-                    $($field: match cells.next() {
+                    $($field: match cells.next()? {
                         Some(cell) => $crate::log::Cell::read(cell)?,
                         None => None $(.or(Some($earlier)))? ?,
                     }),*
@@ -282,6 +288,9 @@ impl LogMark {
 pub struct Log {
     path: PathBuf,
     file: BufWriter<File>,
+    /// Places in a row of the columns of the file: a log that an earlier version began goes on without
+    /// later columns.
+    places: Vec<usize>,
     length: u64,
     hash: Sha256,
 }
@@ -291,18 +300,22 @@ impl Log {
     /// starts a new log.
     ///
     /// # Errors
-    /// If the file cannot be written, or was changed since the checkpoint; it is then left
-    /// unchanged.
+    /// If the file cannot be written, was changed since the checkpoint, or has columns that no version
+    /// up to this one has written; it is then left unchanged.
     pub fn open<R: Row>(path: &Path, mark: &LogMark) -> Result<Self> {
         // The hash goes on from the part that is kept, so that `sync` need not read it again.
-        let hash = match mark.bytes {
-            0 => Sha256::new(),
-            _ => hash_of_marked(path, mark)?,
+        let (hash, places) = match mark.bytes {
+            0 => (Sha256::new(), (0..R::columns().len()).collect()),
+            _ => (
+                hash_of_marked(path, mark)?,
+                heading_of_file::<R>(path)?.in_file(),
+            ),
         };
         let file = cut(path, mark.bytes).map_err(Error::file("write the log", path))?;
         let mut log = Self {
             path: path.to_owned(),
             file: BufWriter::new(file),
+            places,
             length: mark.bytes,
             hash,
         };
@@ -318,7 +331,9 @@ impl Log {
     /// # Errors
     /// If the file cannot be written.
     pub fn append(&mut self, row: &impl Row) -> Result<()> {
-        self.write(&row.to_cells())
+        let cells = row.to_cells();
+        let in_file: Vec<&String> = self.places.iter().map(|place| &cells[*place]).collect();
+        self.write(&in_file)
     }
 
     /// Flushes everything to disk and returns the mark for a checkpoint.
@@ -453,20 +468,83 @@ fn text_of(path: &Path) -> Result<String> {
 }
 
 fn rows_of<R: Row>(path: &Path, text: &str) -> Result<Vec<R>> {
+    let mut lines = text.lines().enumerate();
+    // A run that was killed at once leaves no heading, and no rows.
+    let Some((_, first)) = lines.next() else {
+        return Ok(Vec::new());
+    };
+    let heading = Heading::read::<R>(path, first)?;
     let not_a_row = |index: usize, line: &str| Error::NotARow {
         path: path.to_owned(),
         line: index + 1,
         text: line.to_owned(),
     };
-    // The first line holds the names of the columns.
-    let lines = text.lines().enumerate().skip(1);
     lines
-        .map(|(index, line)| row_of(line).ok_or_else(|| not_a_row(index, line)))
+        .map(|(index, line)| heading.row(line).ok_or_else(|| not_a_row(index, line)))
         .collect()
 }
 
-fn row_of<R: Row>(line: &str) -> Option<R> {
-    R::from_cells(&csv::cells("", 0, line).ok()?)
+fn heading_of_file<R: Row>(path: &Path) -> Result<Heading> {
+    let text = text_of(path)?;
+    Heading::read::<R>(path, text.lines().next().unwrap_or_default())
+}
+
+/// The heading of a log: where its file has the columns of a row.
+struct Heading {
+    /// For each column of a row its place in the file; `None` for a later column that the file lacks.
+    places: Vec<Option<usize>>,
+    /// Number of columns in the file.
+    width: usize,
+}
+
+impl Heading {
+    /// Reads the first line of a log.
+    fn read<R: Row>(path: &Path, line: &str) -> Result<Self> {
+        let other = |problem: String| Error::OtherColumns {
+            path: path.to_owned(),
+            problem,
+        };
+        let names = csv::cells("", 0, line).map_err(|_| other("no heading".into()))?;
+        let (columns, later) = (R::columns(), R::later_columns());
+        let mut places = Vec::with_capacity(columns.len());
+        for column in &columns {
+            let place = names.iter().position(|name| name == column);
+            if place.is_none() && !later.contains(column) {
+                return Err(other(format!("no column '{column}'")));
+            }
+            places.push(place);
+        }
+        let has_place = |place| places.contains(&Some(place));
+        match (0..names.len()).find(|place| !has_place(*place)) {
+            Some(place) => Err(other(format!("the column '{}'", names[place]))),
+            None => Ok(Self {
+                places,
+                width: names.len(),
+            }),
+        }
+    }
+
+    /// The columns of the file as places in a row.
+    fn in_file(&self) -> Vec<usize> {
+        let mut in_file = vec![0; self.width];
+        for (column, place) in self.places.iter().enumerate() {
+            if let Some(place) = place {
+                in_file[*place] = column;
+            }
+        }
+        in_file
+    }
+
+    /// Parses a line below the heading.
+    fn row<R: Row>(&self, line: &str) -> Option<R> {
+        let cells = csv::cells("", 0, line).ok()?;
+        if cells.len() != self.width {
+            return None;
+        }
+        let of_column = |place: &Option<usize>| place.map(|place| cells[place].as_str());
+        let ordered: Vec<Option<&str>> = self.places.iter().map(of_column).collect();
+        R::from_cells(&ordered)
+    }
 }
 
 #[cfg(test)]
@@ -538,5 +616,73 @@ mod tests {
             refusal.to_string().contains(":2: '1,half' is not a row"),
             "{refusal}"
         );
+    }
+
+    log_row! {
+        /// A row that has gained columns twice, the second time between others.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        struct Grown {
+            number: u64,
+            colour: u64 = 7,
+            position: f64,
+            weight: f64 = 0.5,
+        }
+    }
+
+    #[test]
+    fn logs_of_every_earlier_version_are_read_and_continued_in_their_columns() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        let row = |number, colour, weight| Grown {
+            number,
+            colour,
+            position: 0.25,
+            weight,
+        };
+        for (before, first, after) in [
+            ("number,position\n1,0.25\n", row(1, 7, 0.5), "2,0.25\n"),
+            (
+                "number,position,weight\n1,0.25,3\n",
+                row(1, 7, 3.0),
+                "2,0.25,4\n",
+            ),
+            (
+                "number,colour,position,weight\n1,2,0.25,3\n",
+                row(1, 2, 3.0),
+                "2,9,0.25,4\n",
+            ),
+        ] {
+            std::fs::write(&path, before).unwrap();
+            assert_eq!(read::<Grown>(&path).unwrap(), [first]);
+            let mark = LogMark {
+                bytes: before.len() as u64,
+                sha256: hexadecimal(&Sha256::new_with_prefix(before)),
+            };
+            let mut log = Log::open::<Grown>(&path, &mark).unwrap();
+            log.append(&row(2, 9, 4.0)).unwrap();
+            log.sync().unwrap();
+            assert_eq!(
+                std::fs::read_to_string(&path).unwrap(),
+                format!("{before}{after}")
+            );
+            assert_eq!(read::<Grown>(&path).unwrap().len(), 2);
+        }
+    }
+
+    #[test]
+    fn a_log_with_other_columns_is_refused_by_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        for (heading, named) in [
+            ("number,colour", "has no column 'position'"),
+            ("number,position,speed", "has the column 'speed'"),
+            ("number,number,position", "has the column 'number'"),
+        ] {
+            std::fs::write(&path, format!("{heading}\n1,2,3\n")).unwrap();
+            let refusal = read::<Grown>(&path).unwrap_err().to_string();
+            assert!(refusal.contains(named), "{refusal}");
+        }
+        std::fs::write(&path, "").unwrap();
+        assert_eq!(read::<Grown>(&path).unwrap(), []);
     }
 }

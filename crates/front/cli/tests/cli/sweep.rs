@@ -3,7 +3,7 @@
 
 use crate::common::{TemporaryFolder, contents, is_ok, message};
 use protomer_kernel::statistics::Summary;
-use protomer_protein_verbs::stability::run::{AcceptedFractions, RunSettings, Starts};
+use protomer_protein_verbs::stability::run::{AcceptedFractions, Columns, RunSettings, Starts};
 use protomer_protein_verbs::stability::sweep::figure::figure;
 use protomer_protein_verbs::stability::sweep::result::SweepResult;
 use protomer_protein_verbs::stability::sweep::stability::Stability;
@@ -898,17 +898,17 @@ fn drawn(starts: Starts, fractions: impl Fn(u32, usize) -> f64) -> Value {
     };
     let replica = |replica, salt| ReplicaResult {
         replica,
-        r_g_angstrom: summary(50.0),
-        native_contacts: Some(summary(fractions(replica, salt))),
-        largest_cluster: summary(4.0),
-        energy_kt: summary(-3.0),
+        averages: Columns {
+            r_g_angstrom: Some(summary(50.0)),
+            native_contacts: Some(summary(fractions(replica, salt))),
+            contacts: Some(summary(8.0 * fractions(replica, salt))),
+            bound_fraction: Some(summary(fractions(replica, salt))),
+            ..Columns::default()
+        },
         accepted: AcceptedFractions {
             translation_acceptance: 0.4,
             rotation_acceptance: 0.4,
         },
-        cluster_moved_mean: 1.0,
-        contacts: Some(summary(8.0 * fractions(replica, salt))),
-        bound_fraction: Some(summary(fractions(replica, salt))),
         effective_bodies: None,
         warnings: Vec::new(),
     };

@@ -104,23 +104,3 @@ fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
         Err(_) => [f64::NAN; 3],
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use protomer_results::Row;
-
-    #[test]
-    fn rows_survive_a_round_trip() {
-        let row = LogRow {
-            step: 3,
-            time: 0.1 + 0.2,
-            checkerboard_fraction: 0.5,
-            events: 7,
-            ..LogRow::default()
-        };
-        assert_eq!(LogRow::from_cells(&row.to_cells()), Some(row));
-        assert_eq!(row.to_cells().len(), LogRow::columns().len());
-        assert_eq!(LogRow::from_cells(&["1", "2", "3"].map(String::from)), None);
-    }
-}

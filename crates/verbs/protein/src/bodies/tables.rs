@@ -48,8 +48,9 @@ impl Row for FileRow {
         self.0.clone()
     }
 
-    fn from_cells(cells: &[String]) -> Option<Self> {
-        (cells.len() == Self::columns().len()).then(|| Self(cells.to_vec()))
+    fn from_cells(cells: &[Option<&str>]) -> Option<Self> {
+        let cells = cells.iter().map(|cell| cell.map(str::to_owned));
+        cells.collect::<Option<_>>().map(Self)
     }
 }
 
@@ -62,8 +63,10 @@ impl Row for WarningRow {
         self.0.to_vec()
     }
 
-    fn from_cells(cells: &[String]) -> Option<Self> {
-        Some(Self(cells.to_vec().try_into().ok()?))
+    fn from_cells(cells: &[Option<&str>]) -> Option<Self> {
+        let cells = cells.iter().map(|cell| cell.map(str::to_owned));
+        let cells: Vec<String> = cells.collect::<Option<_>>()?;
+        Some(Self(cells.try_into().ok()?))
     }
 }
 

@@ -162,9 +162,9 @@ fn read_sweep(directory: &Path) -> Result<ComparedSweep> {
         name: name.replace('_', " "),
         equilibrated: sweep.stability.equilibrated,
         salt_molar: column(|row| row.salt_molar),
-        r_g_mean_angstrom: column(|row| row.r_g_mean_angstrom),
-        r_g_sd_angstrom: column(|row| row.r_g_sd_angstrom),
-        native_contacts_mean: column(|row| row.native_contacts_mean),
-        native_contacts_sd: column(|row| row.native_contacts_sd),
+        r_g_mean_angstrom: column(|row| row.averages.r_g_angstrom.mean),
+        r_g_sd_angstrom: column(|row| row.averages.r_g_angstrom.deviation),
+        native_contacts_mean: column(|row| row.averages.native_contacts.mean),
+        native_contacts_sd: column(|row| row.averages.native_contacts.deviation),
     })
 }

@@ -1,5 +1,6 @@
 //! Bodies with charges in memory, for loops of one's own.
 
+use crate::stability::run::columns::Measured;
 use crate::stability::run::{Engine, LogRow, Replica, RunSettings, frame, header};
 use anyhow::{Context, Result, bail};
 use protomer_common::live::{Arrays, Column, Live, changed, refuse_others, require_rows, take};
@@ -86,17 +87,11 @@ impl LiveAssembly {
     }
 
     fn row(&self) -> LogRow {
-        let observables = self.simulation.observables();
-        LogRow {
-            sweep: self.simulation.sweep(),
-            r_g_angstrom: observables.r_g_angstrom,
-            native_contacts: observables.native_contacts.unwrap_or(f64::NAN),
-            largest_cluster: observables.largest_cluster,
-            energy_kt: observables.energy_kt,
+        let state = Measured {
+            observables: self.simulation.observables(),
             cluster_moved: f64::NAN,
-            contacts: observables.contacts as f64,
-            bound_fraction: observables.bound_fraction,
-        }
+        };
+        LogRow::new(self.simulation.sweep(), &state)
     }
 }
 

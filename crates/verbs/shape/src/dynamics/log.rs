@@ -54,22 +54,3 @@ impl LogRow {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use protomer_results::Row;
-
-    #[test]
-    fn rows_survive_a_round_trip() {
-        let row = LogRow {
-            step: -3,
-            time: 0.1 + 0.2,
-            pressure: 1.0 / 3.0,
-            ..LogRow::default()
-        };
-        assert_eq!(LogRow::from_cells(&row.to_cells()), Some(row));
-        assert_eq!(row.to_cells().len(), LogRow::columns().len());
-        assert_eq!(LogRow::from_cells(&["1", "2"].map(String::from)), None);
-    }
-}

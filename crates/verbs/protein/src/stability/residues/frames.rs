@@ -223,11 +223,11 @@ impl Run {
         };
         let (share, why): (fn(&SaltRow) -> f64, _) = match result.stability.half_salt_contacts {
             CountedContacts::Any => (
-                |row| row.bound_fraction_mean,
+                |row| row.averages.bound_fraction.mean,
                 "the highest salt at which more than half of the bodies touch another",
             ),
             CountedContacts::Native => (
-                |row| row.native_contacts_mean,
+                |row| row.averages.native_contacts.mean,
                 "the highest salt at which more than half of the contacts are left",
             ),
         };

@@ -1,25 +1,54 @@
 //! `log.csv` of a simulation: one row of observables at regular intervals of production.
 
-protomer_results::log_row! {
-    /// One row of the log.
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    pub struct LogRow {
-        /// Production sweeps done.
-        pub sweep: u64,
-        /// Radius of gyration of the body positions, Å.
-        pub r_g_angstrom: f64,
-        /// Fraction of the native contacts, those of the assembly, that are left; NaN if it has none.
-        pub native_contacts: f64,
-        /// Bodies in the largest cluster.
-        pub largest_cluster: usize,
-        /// Total energy, kT.
-        pub energy_kt("energy_kT"): f64,
-        /// Mean number of bodies moved by a cluster move since the last row.
-        pub cluster_moved: f64,
-        /// Pairs of bodies in contact; NaN in logs of earlier versions.
-        pub contacts: f64 = f64::NAN,
-        /// Fraction of the bodies that touch another; NaN in logs of earlier versions.
-        pub bound_fraction: f64 = f64::NAN,
+use super::columns::{Column, Columns, Measured};
+use protomer_results::Row;
+use protomer_results::log::Cell;
+
+/// One row of the log.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LogRow {
+    /// Production sweeps done.
+    pub sweep: u64,
+    /// Numbers of the state.
+    pub numbers: Columns<f64>,
+}
+
+impl LogRow {
+    /// The row of a state.
+    pub fn new(sweep: u64, state: &Measured) -> Self {
+        let numbers = Columns::new(|column| (column.value)(state));
+        Self { sweep, numbers }
+    }
+}
+
+impl Row for LogRow {
+    fn columns() -> Vec<&'static str> {
+        let names = Column::all().into_iter().map(|column| column.name);
+        std::iter::once("sweep").chain(names).collect()
+    }
+
+    fn later_columns() -> Vec<&'static str> {
+        let later = Column::all().into_iter().filter(|column| column.is_later);
+        later.map(|column| column.name).collect()
+    }
+
+    fn to_cells(&self) -> Vec<String> {
+        let numbers = self.numbers.entries().into_iter();
+        let numbers = numbers.map(|(_, number)| number.write());
+        std::iter::once(self.sweep.write()).chain(numbers).collect()
+    }
+
+    fn from_cells(cells: &[Option<&str>]) -> Option<Self> {
+        let (sweep, cells) = cells.split_first()?;
+        let mut numbers = Vec::with_capacity(cells.len());
+        for cell in cells {
+            numbers.push(cell.map_or(Some(f64::NAN), f64::read)?);
+        }
+        let mut numbers = numbers.into_iter();
+        Some(Self {
+            sweep: u64::read((*sweep)?)?,
+            numbers: Columns::new(|_| numbers.next().unwrap_or(f64::NAN)),
+        })
     }
 }
 
@@ -53,33 +82,37 @@ impl ChargeRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use protomer_results::Row;
 
     #[test]
     fn rows_survive_a_round_trip() {
         let row = LogRow {
             sweep: 3,
-            r_g_angstrom: 1.0 / 3.0,
-            native_contacts: 0.1 + 0.2,
-            largest_cluster: 3,
-            energy_kt: -1e-17,
-            cluster_moved: 0.0,
-            contacts: 4.0,
-            bound_fraction: 2.0 / 3.0,
+            numbers: Columns {
+                r_g_angstrom: 1.0 / 3.0,
+                native_contacts: 0.1 + 0.2,
+                largest_cluster: 3.0,
+                energy_kt: -1e-17,
+                contacts: 4.0,
+                ..Columns::default()
+            },
         };
-        assert_eq!(LogRow::from_cells(&row.to_cells()), Some(row));
-        assert_eq!(row.to_cells().len(), LogRow::columns().len());
-        let cells = |number: usize| vec!["6".to_owned(); number];
-        for number in [3, 7, 9] {
-            assert_eq!(LogRow::from_cells(&cells(number)), None);
-        }
-        let earlier = LogRow::from_cells(&cells(6)).unwrap();
-        assert!(earlier.bound_fraction.is_nan() && earlier.cluster_moved == 6.0);
-        let without_contacts = LogRow {
-            native_contacts: f64::NAN,
-            ..row
-        };
-        let read = LogRow::from_cells(&without_contacts.to_cells()).unwrap();
-        assert!(read.native_contacts.is_nan());
+        let cells = row.to_cells();
+        let mut read: Vec<Option<&str>> = cells.iter().map(|cell| Some(cell.as_str())).collect();
+        assert_eq!(LogRow::from_cells(&read), Some(row));
+        assert_eq!((cells[0].as_str(), cells[3].as_str()), ("3", "3"));
+        assert_eq!(cells.len(), LogRow::columns().len());
+        read[7] = None;
+        let earlier = LogRow::from_cells(&read).unwrap();
+        assert!(earlier.numbers.bound_fraction.is_nan() && earlier.numbers.contacts == 4.0);
+        read[2] = Some("NaN");
+        assert!(
+            LogRow::from_cells(&read)
+                .unwrap()
+                .numbers
+                .native_contacts
+                .is_nan()
+        );
+        read[2] = Some("many");
+        assert_eq!(LogRow::from_cells(&read), None);
     }
 }

@@ -1,5 +1,6 @@
 //! Simulations of an assembly: their engine, their settings, and one simulation in its directory.
 
+pub mod columns;
 mod costs;
 mod engine;
 mod ladder;
@@ -11,6 +12,7 @@ mod settings;
 mod titratable;
 mod trajectory;
 
+pub use columns::{Column, Columns};
 pub use costs::EnergyCosts;
 pub use engine::{Engine, require_room};
 pub use ladder::{Exchanged, LadderRun, Rung};

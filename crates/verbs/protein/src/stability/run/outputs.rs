@@ -1,13 +1,13 @@
 //! What a simulation leaves behind while it runs: `log.csv` and `trajectory.gsd`.
 
+use super::columns::Measured;
 use super::log::ChargeRow;
 use super::trajectory::Trajectory;
 use super::{Engine, LogRow, RunSettings};
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use protomer_mc::Simulation;
-use protomer_results::{Log, LogMark, Row, log};
+use protomer_results::{Log, LogMark, log};
 use serde::{Deserialize, Serialize};
-use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 const LOG: &str = "log.csv";
@@ -42,7 +42,7 @@ impl Outputs {
     /// Opens the files in a directory, cut to the saved part.
     ///
     /// # Errors
-    /// If a file cannot be written, was changed since, or has the columns of an earlier version.
+    /// If a file cannot be written, was changed since, or has columns of another version.
     pub fn open(
         directory: &Path,
         engine: &Engine,
@@ -50,9 +50,6 @@ impl Outputs {
         saved: &SavedOutputs,
     ) -> Result<Self> {
         let path = directory.join(LOG);
-        if saved.log.bytes > 0 {
-            require_columns(&path)?;
-        }
         let log = Log::open::<LogRow>(&path, &saved.log)?;
         let charges = match settings.proton_moves_per_sweep {
             0 => None,
@@ -124,17 +121,11 @@ impl Outputs {
     }
 
     fn row(&mut self, production: u64, simulation: &Simulation) -> LogRow {
-        let observables = simulation.observables();
-        LogRow {
-            sweep: production,
-            r_g_angstrom: observables.r_g_angstrom,
-            native_contacts: observables.native_contacts.unwrap_or(f64::NAN),
-            largest_cluster: observables.largest_cluster,
-            energy_kt: observables.energy_kt,
+        let state = Measured {
+            observables: simulation.observables(),
             cluster_moved: self.bodies_per_cluster_move(simulation),
-            contacts: observables.contacts as f64,
-            bound_fraction: observables.bound_fraction,
-        }
+        };
+        LogRow::new(production, &state)
     }
 
     /// Mean number of bodies moved per cluster move since the last row.
@@ -162,19 +153,4 @@ impl SavedOutputs {
         }
         Ok(log::check(&directory.join(LOG), &self.log)?)
     }
-}
-
-fn require_columns(path: &Path) -> Result<()> {
-    let mut first_line = String::new();
-    let file = protomer_io::input::open(path)
-        .with_context(|| format!("the log {} cannot be read", path.display()))?;
-    BufReader::new(file).read_line(&mut first_line)?;
-    if first_line.trim_end() != LogRow::columns().join(",") {
-        bail!(
-            "{} has the columns of an earlier version; continue the run with that version, or start \
-             it anew with --force",
-            path.display()
-        );
-    }
-    Ok(())
 }

@@ -2,12 +2,13 @@
 //! curve per start with its replicas, and where one half is left.
 
 use super::result::SweepResult;
-use super::series;
-use super::stability::{CountedContacts, Stability};
+use super::series::{self, axis};
+use super::stability::CountedContacts;
 use super::table::{ReplicaResult, standard_deviation};
+use crate::stability::run::columns::{Column, Drawn};
 use crate::stability::run::{RunSettings, Start, Starts};
 use anyhow::Result;
-use protomer_kernel::statistics::mean;
+use protomer_kernel::statistics::{Summary, mean};
 use protomer_plot::{Axis, Figure, Panel, Point, Series, Span};
 use std::path::Path;
 
@@ -78,15 +79,19 @@ fn groups(result: &SweepResult) -> Vec<Group> {
     }
 }
 
+/// Average of a replica; `None` without a value.
+type Average<'a> = Box<dyn Fn(&ReplicaResult) -> Option<Summary> + 'a>;
+
 /// Observable that is drawn against salt.
-struct Observable {
+struct Observable<'a> {
     axis: Axis,
-    value: fn(&Stability, &ReplicaResult) -> Option<f64>,
+    value: Average<'a>,
     /// Salt at which the observable is one half, with the interval, mol/L.
     half: Option<(f64, [Option<f64>; 2])>,
 }
 
-fn observables(result: &SweepResult) -> [Observable; 3] {
+/// Quantities of a sweep in the order of their panels; columns that later versions added come last.
+fn observables(result: &SweepResult) -> Vec<Observable<'_>> {
     let stability = &result.stability;
     let half = |salt: Option<f64>, interval: Option<[Option<f64>; 2]>| salt.zip(interval);
     let contacts = match stability.half_salt_contacts {
@@ -94,15 +99,18 @@ fn observables(result: &SweepResult) -> [Observable; 3] {
         // Bodies may come to touch more others than they did in the assembly.
         CountedContacts::Any => Axis::linear("contacts over those of the assembly"),
     };
-    [
-        Observable {
-            axis: Axis::linear("radius of gyration (Å)"),
-            value: |_, replica| Some(replica.r_g_angstrom.mean),
-            half: None,
-        },
+    let of_column = |column: &'static Column| Observable {
+        axis: axis(column),
+        value: Box::new(|replica| replica.averages.get(column)),
+        half: None,
+    };
+    let mut drawn = Column::all();
+    drawn.retain(|column| column.drawn == Drawn::AgainstSalt);
+    let mut observables: Vec<Observable<'_>> = drawn.into_iter().map(of_column).collect();
+    let stated = [
         Observable {
             axis: contacts,
-            value: |stability, replica| Some(stability.contacts_left(replica)?.mean),
+            value: Box::new(|replica| stability.contacts_left(replica)),
             half: half(
                 stability.half_salt_molar,
                 stability.half_salt_interval_molar,
@@ -110,17 +118,21 @@ fn observables(result: &SweepResult) -> [Observable; 3] {
         },
         Observable {
             axis: Axis::linear("bodies that touch another").with_range(0.0, 1.05),
-            value: |_, replica| Some(replica.bound_fraction?.mean),
+            value: Box::new(|replica| replica.averages.bound_fraction),
             half: half(
                 stability.half_bound_salt_molar,
                 stability.half_bound_salt_interval_molar,
             ),
         },
-    ]
+    ];
+    // After the radius of gyration, before what later versions draw.
+    let second = observables.len().min(1);
+    observables.splice(second..second, stated);
+    observables
 }
 
 /// The panel of an observable; `None` if a replica does not have it.
-fn panel(result: &SweepResult, groups: &[Group], observable: &Observable) -> Option<Panel> {
+fn panel(result: &SweepResult, groups: &[Group], observable: &Observable<'_>) -> Option<Panel> {
     let mut series = Vec::with_capacity(groups.len() + 1);
     for group in groups {
         series.push(curve(result, group, observable)?);
@@ -133,7 +145,7 @@ fn panel(result: &SweepResult, groups: &[Group], observable: &Observable) -> Opt
 }
 
 /// Means of a group with their standard deviations, and the replicas behind them.
-fn curve(result: &SweepResult, group: &Group, observable: &Observable) -> Option<Series> {
+fn curve(result: &SweepResult, group: &Group, observable: &Observable<'_>) -> Option<Series> {
     let mut curve = Series {
         name: group.name.into(),
         line: true,
@@ -148,7 +160,7 @@ fn curve(result: &SweepResult, group: &Group, observable: &Observable) -> Option
         };
         let mut values = Vec::with_capacity(replicas.len());
         for replica in replicas.iter().filter(is_ours) {
-            values.push((observable.value)(&result.stability, replica)?);
+            values.push((observable.value)(replica)?.mean);
         }
         curve.points.push(Point {
             x,

@@ -68,19 +68,20 @@ impl Answer for SweepResult {
             "largest cluster",
             "energy (kT)",
         ])];
+            let averages = &row.averages;
         for row in &self.salts {
             rows.push(vec![
                 format!("{:.4}", row.salt_molar),
-                format!("{:.2}", row.r_g_mean_angstrom),
+                format!("{:.2}", averages.r_g_angstrom.mean),
                 // The deviation of one replica from itself says nothing.
                 match row.replicas {
                     1 => "-".into(),
-                    _ => format!("{:.2}", row.r_g_sd_angstrom),
+                    _ => format!("{:.2}", averages.r_g_angstrom.deviation),
                 },
-                format!("{:.3}", row.native_contacts_mean),
-                format!("{:.3}", row.bound_fraction_mean),
-                format!("{:.2}", row.largest_cluster_mean),
-                format!("{:.2}", row.energy_mean_kt),
+                format!("{:.3}", averages.native_contacts.mean),
+                format!("{:.3}", averages.bound_fraction.mean),
+                format!("{:.2}", averages.largest_cluster.mean),
+                format!("{:.2}", averages.energy_kt.mean),
             ]);
         }
         let mut lines = vec![self.stability.verdict(), columns(&rows)];
@@ -424,7 +425,10 @@ impl Sweep<'_> {
     fn warnings(&self, salts: &[SaltRow], replicas: &[Vec<ReplicaResult>]) -> Result<Vec<String>> {
         let bodies = salts.iter().flat_map(|row| &row.effective_bodies).flatten();
         let mut warnings = effective::warnings(bodies);
-        let contacts = replicas.iter().flatten().filter_map(|one| one.contacts);
+        let contacts = replicas
+            .iter()
+            .flatten()
+            .filter_map(|one| one.averages.contacts);
         let most = contacts.map(|contacts| contacts.mean).fold(0.0, f64::max);
         let system = self.engine.system()?;
         warnings.extend(effective::run_warning(&system, self.settings, most));

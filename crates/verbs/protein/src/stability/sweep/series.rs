@@ -2,34 +2,33 @@
 //! point.
 
 use crate::stability::run::LogRow;
+use crate::stability::run::columns::{Column, Drawn};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 
 /// Largest number of points that can be told apart on a page.
 const MOST_POINTS: usize = 1000;
 
-/// An observable of the log: its label, its value in a row, and the range of its axis.
-pub type Observable = (&'static str, fn(&LogRow) -> f64, Option<[f64; 2]>);
+/// The columns that are drawn against sweeps, here and on a page.
+pub fn drawn() -> Vec<&'static Column> {
+    let mut all = Column::all();
+    all.retain(|column| column.drawn != Drawn::Nowhere);
+    all
+}
 
-const FRACTION: Option<[f64; 2]> = Some([0.0, 1.05]);
-
-/// The observables that are drawn against sweeps, here and on a page.
-pub const OBSERVABLES: [Observable; 5] = [
-    ("radius of gyration (Å)", |row| row.r_g_angstrom, None),
-    ("native contacts left", |row| row.native_contacts, FRACTION),
-    ("pairs of bodies in contact", |row| row.contacts, None),
-    (
-        "bodies that touch another",
-        |row| row.bound_fraction,
-        FRACTION,
-    ),
-    ("energy (kT)", |row| row.energy_kt, None),
-];
+/// The axis of a column.
+pub fn axis(column: &Column) -> Axis {
+    Axis {
+        range: column.range,
+        ..Axis::linear(column.title)
+    }
+}
 
 /// The observables against sweeps; what has no value is left out.
 pub fn figure(title: String, caption: String, rows: &[LogRow]) -> Figure {
     let step = rows.len().div_ceil(MOST_POINTS).max(1);
     let mut panels = Vec::new();
-    for (label, value, range) in OBSERVABLES {
+    for column in drawn() {
+        let value = |row: &LogRow| row.numbers.get(column);
         if !rows.iter().all(|row| value(row).is_finite()) {
             continue;
         }
@@ -39,10 +38,7 @@ pub fn figure(title: String, caption: String, rows: &[LogRow]) -> Figure {
             error: None,
         });
         panels.push(Panel {
-            y: Axis {
-                range,
-                ..Axis::linear(label)
-            },
+            y: axis(column),
             series: vec![Series {
                 name: String::new(),
                 points: points.collect(),
@@ -62,17 +58,15 @@ pub fn figure(title: String, caption: String, rows: &[LogRow]) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stability::run::Columns;
 
     fn row(sweep: u64, native_contacts: f64) -> LogRow {
         LogRow {
             sweep,
-            r_g_angstrom: 20.0,
-            native_contacts,
-            largest_cluster: 2,
-            energy_kt: -3.0,
-            cluster_moved: 1.0,
-            contacts: 1.0,
-            bound_fraction: 1.0,
+            numbers: Columns {
+                native_contacts,
+                ..Columns::new(|_| 1.0)
+            },
         }
     }
 
@@ -80,7 +74,7 @@ mod tests {
     fn each_known_observable_has_a_panel_over_the_whole_run() {
         let rows: Vec<LogRow> = (1..=2500).map(|sweep| row(sweep, 0.5)).collect();
         let drawn = figure("title".into(), "caption".into(), &rows);
-        assert_eq!(drawn.panels.len(), 5);
+        assert_eq!(drawn.panels.len(), super::drawn().len());
         for panel in &drawn.panels {
             let points = &panel.series[0].points;
             assert!(
@@ -97,7 +91,7 @@ mod tests {
             .iter()
             .map(|panel| panel.y.label.as_str())
             .collect();
-        assert_eq!(labels.len(), 4);
+        assert_eq!(labels.len(), super::drawn().len() - 1);
         assert!(!labels.contains(&"native contacts left"));
     }
 }

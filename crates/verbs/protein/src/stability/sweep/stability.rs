@@ -64,8 +64,11 @@ impl CountedContacts {
     /// The part of `native` contacts of an assembly that a replica has left.
     fn left(self, replica: &ReplicaResult, native: usize) -> Option<Summary> {
         match self {
-            CountedContacts::Native => replica.native_contacts,
-            CountedContacts::Any => replica.contacts.map(|summary| scaled(&summary, native)),
+            CountedContacts::Native => replica.averages.native_contacts,
+            CountedContacts::Any => {
+                let contacts = replica.averages.contacts;
+                contacts.map(|summary| scaled(&summary, native))
+            }
         }
     }
 }
@@ -95,7 +98,9 @@ impl Stability {
             false => CountedContacts::Any,
         };
         let curve = points(settings, replicas, |replica| counted.left(replica, native));
-        let bound = points(settings, replicas, |replica| replica.bound_fraction);
+        let bound = points(settings, replicas, |replica| {
+            replica.averages.bound_fraction
+        });
         // Of runs that disagree no curve is that of an equilibrium.
         let half = |points: &[FractionAt]| match equilibrated {
             Some(false) => None,
@@ -290,7 +295,7 @@ struct Observable {
 fn observables(native: usize) -> [Observable; 4] {
     [
         Observable {
-            summary: |replica| replica.bound_fraction,
+            summary: |replica| replica.averages.bound_fraction,
             least: LEAST_FRACTION,
             words: |assembly, fluid| {
                 format!(
@@ -300,7 +305,7 @@ fn observables(native: usize) -> [Observable; 4] {
             },
         },
         Observable {
-            summary: |replica| replica.contacts,
+            summary: |replica| replica.averages.contacts,
             least: LEAST_FRACTION * native.max(1) as f64,
             words: |assembly, fluid| {
                 format!(
@@ -310,7 +315,7 @@ fn observables(native: usize) -> [Observable; 4] {
             },
         },
         Observable {
-            summary: |replica| Some(replica.largest_cluster),
+            summary: |replica| replica.averages.largest_cluster,
             least: LEAST_BODIES,
             words: |assembly, fluid| {
                 format!(
@@ -320,7 +325,7 @@ fn observables(native: usize) -> [Observable; 4] {
             },
         },
         Observable {
-            summary: |replica| Some(replica.energy_kt),
+            summary: |replica| replica.averages.energy_kt,
             least: LEAST_KT,
             words: |assembly, fluid| {
                 format!(
@@ -410,7 +415,7 @@ fn disagreement(assembly: &[Summary], fluid: &[Summary], least: f64) -> Option<f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stability::run::{AcceptedFractions, Starts};
+    use crate::stability::run::{AcceptedFractions, Columns, Starts};
 
     fn replica(replica: u32, [bound, contacts, cluster, energy]: [f64; 4]) -> ReplicaResult {
         let summary = |mean| Summary {
@@ -422,17 +427,17 @@ mod tests {
         };
         ReplicaResult {
             replica,
-            r_g_angstrom: summary(50.0),
-            native_contacts: None,
-            largest_cluster: summary(cluster),
-            energy_kt: summary(energy),
+            averages: Columns {
+                largest_cluster: Some(summary(cluster)),
+                energy_kt: Some(summary(energy)),
+                contacts: Some(summary(contacts)),
+                bound_fraction: Some(summary(bound)),
+                ..Columns::default()
+            },
             accepted: AcceptedFractions {
                 translation_acceptance: 0.5,
                 rotation_acceptance: 0.5,
             },
-            cluster_moved_mean: 1.0,
-            contacts: Some(summary(contacts)),
-            bound_fraction: Some(summary(bound)),
             effective_bodies: None,
             warnings: Vec::new(),
         }
@@ -441,7 +446,7 @@ mod tests {
     /// One sample says little; it must not make a half salt look certain.
     #[test]
     fn one_sample_of_one_replica_is_not_certain() {
-        let mut summary = replica(0, [1.0; 4]).largest_cluster;
+        let mut summary = replica(0, [1.0; 4]).averages.bound_fraction.unwrap();
         assert_eq!(average_fraction(&[summary]), (1.0, 0.01));
         summary.standard_error = f64::NAN;
         assert_eq!(average_fraction(&[summary]), (1.0, UNKNOWN_ERROR));

@@ -1,5 +1,6 @@
 //! The averages at a single salt concentration.
 
+use crate::stability::run::columns::{Column, Statistics};
 use crate::stability::run::{RunSettings, Start, Starts};
 use crate::stability::sweep::result::SweepResult;
 use crate::stability::sweep::table::ReplicaResult;
@@ -32,51 +33,40 @@ pub fn averages(result: &SweepResult, settings: &RunSettings) -> Part {
     let mut columns = vec![""];
     columns.extend(groups.iter().map(|(name, _)| *name));
     let mut rows = Vec::new();
-    for (label, value) in AVERAGES {
+    let mut add = |label: &str, value: &dyn Fn(&ReplicaResult) -> Option<Average>| {
         let mut row = vec![label.to_owned()];
         row.extend(groups.iter().map(|(_, replicas)| average(replicas, value)));
         rows.push(row);
+    };
+    for column in Column::all() {
+        // A mean alone tells of the method, not of the assembly.
+        if column.statistics != Statistics::Mean {
+            add(column.title, &|replica| {
+                replica.averages.get(column).map(of_series)
+            });
+        }
     }
+    add("accepted translations", &|replica| {
+        Some([replica.accepted.translation_acceptance, f64::NAN])
+    });
+    add("accepted rotations", &|replica| {
+        Some([replica.accepted.rotation_acceptance, f64::NAN])
+    });
     Part::Table { columns, rows }
 }
 
 /// A mean of a replica, and its standard error; NaN without one.
 type Average = [f64; 2];
-/// Average of a quantity over a replica; `None` if the replica has none.
-type AverageOfReplica = fn(&ReplicaResult) -> Option<Average>;
-
-/// Names of the averaged quantities, with their values in the result of a replica.
-const AVERAGES: [(&str, AverageOfReplica); 8] = [
-    ("radius of gyration (Å)", |replica| {
-        Some(of_series(replica.r_g_angstrom))
-    }),
-    ("native contacts left", |replica| {
-        replica.native_contacts.map(of_series)
-    }),
-    ("pairs of bodies in contact", |replica| {
-        replica.contacts.map(of_series)
-    }),
-    ("bodies that touch another", |replica| {
-        replica.bound_fraction.map(of_series)
-    }),
-    ("bodies in the largest cluster", |replica| {
-        Some(of_series(replica.largest_cluster))
-    }),
-    ("energy (kT)", |replica| Some(of_series(replica.energy_kt))),
-    ("accepted translations", |replica| {
-        Some([replica.accepted.translation_acceptance, f64::NAN])
-    }),
-    ("accepted rotations", |replica| {
-        Some([replica.accepted.rotation_acceptance, f64::NAN])
-    }),
-];
 
 fn of_series(summary: Summary) -> Average {
     [summary.mean, summary.standard_error]
 }
 
 /// The mean over replicas with its standard error, from the errors of the replicas.
-fn average(replicas: &[&ReplicaResult], value: AverageOfReplica) -> String {
+fn average(
+    replicas: &[&ReplicaResult],
+    value: &dyn Fn(&ReplicaResult) -> Option<Average>,
+) -> String {
     let count = replicas.len() as f64;
     let (mut sum, mut squares) = (0.0, 0.0);
     for replica in replicas {

@@ -1,8 +1,8 @@
 //! The logs of simulations: their observables against sweeps.
 
 use crate::stability::run::replica_directory;
-use crate::stability::run::{LogRow, RunSettings, Start, Starts};
-use crate::stability::sweep::series::OBSERVABLES;
+use crate::stability::run::{Column, LogRow, RunSettings, Start, Starts};
+use crate::stability::sweep::series::{axis, drawn};
 use anyhow::Result;
 use protomer_common::page::{Data, Part, millimolar};
 use protomer_io::csv::{Cell, Table};
@@ -76,12 +76,9 @@ fn name(settings: &RunSettings, salt_molar: f64, replica: u32) -> String {
 }
 
 fn figure(traces: &[Trace]) -> Figure {
-    let panels = OBSERVABLES.into_iter().map(|(label, value, range)| Panel {
-        y: Axis {
-            range,
-            ..Axis::linear(label)
-        },
-        series: series(traces, value),
+    let panels = drawn().into_iter().map(|column| Panel {
+        y: axis(column),
+        series: series(traces, column),
     });
     Figure {
         title: "Course of the simulations".into(),
@@ -92,13 +89,13 @@ fn figure(traces: &[Trace]) -> Figure {
 }
 
 /// A series per salt concentration and start.
-fn series(traces: &[Trace], value: fn(&LogRow) -> f64) -> Vec<Series> {
+fn series(traces: &[Trace], column: &Column) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     for trace in traces {
         let points = trace
             .rows
             .iter()
-            .map(|row| [row.sweep as f64, value(row)])
+            .map(|row| [row.sweep as f64, row.numbers.get(column)])
             .filter(|[_, y]| y.is_finite());
         match series.iter_mut().find(|series| series.name == trace.name) {
             Some(series) => series.replicas.extend(points),
