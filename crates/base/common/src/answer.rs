@@ -2,7 +2,8 @@
 //! figure. Nothing here prints.
 
 use protomer_plot::Figure;
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 /// The answer of a verb. Its serialised form is the JSON output of the verb.
@@ -36,30 +37,44 @@ pub trait Answer: Serialize {
     }
 }
 
-/// A completed part of a sweep.
+/// A completed part of work that many processes share.
 ///
 /// ```
-/// use protomer_common::answer::{Answer, SweepPart};
-/// let part = SweepPart { shard: 2, of: 4, runs: 3 };
+/// use protomer_common::answer::{Answer, CompletedPart};
+/// let part = CompletedPart { shard: 2, of: 4, count: 3, tasks: ["run", "runs"] };
 /// assert_eq!(part.text(), "part 2 of 4: 3 runs done; run without --shard for the table");
+/// assert_eq!(serde_json::to_string(&part).unwrap(), r#"{"shard":2,"of":4,"runs":3}"#);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct SweepPart {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CompletedPart {
     /// The number of the part, counted from 1.
     pub shard: usize,
     /// The number of parts.
     pub of: usize,
-    /// Number of runs of the part.
-    pub runs: usize,
+    /// Number of tasks of the part.
+    pub count: usize,
+    /// Name of a task, and of several.
+    pub tasks: [&'static str; 2],
 }
 
-impl Answer for SweepPart {
+impl Serialize for CompletedPart {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3))?;
+        map.serialize_entry("shard", &self.shard)?;
+        map.serialize_entry("of", &self.of)?;
+        map.serialize_entry(self.tasks[1], &self.count)?;
+        map.end()
+    }
+}
+
+impl Answer for CompletedPart {
     fn text(&self) -> String {
+        let [one, many] = self.tasks;
         format!(
             "part {} of {}: {} done; run without --shard for the table",
             self.shard,
             self.of,
-            counted(self.runs, "run", "runs")
+            counted(self.count, one, many)
         )
     }
 }

@@ -62,6 +62,11 @@ pub trait Campaign: Sync {
     /// The tasks, in a fixed order: parts of the campaign are defined by task numbers.
     fn tasks(&self) -> &[Self::Task];
 
+    /// Progress of one task: how many steps it has, and their name.
+    fn length(&self) -> (u64, &'static str) {
+        (1, "runs")
+    }
+
     /// The directory of a task.
     fn directory(&self, task: &Self::Task) -> PathBuf;
 
@@ -159,6 +164,23 @@ fn to_the_end<C: Campaign>(
     }
 }
 
+/// Enters the directory of a campaign, runs the remaining tasks and collects their results.
+///
+/// # Errors
+/// As [`ResultsDirectory::enter`] and [`conduct`].
+pub fn carry_out<C: Campaign, S: Settings>(
+    campaign: &C,
+    path: &Path,
+    layout: &Layout,
+    settings: &S,
+    execution: &Execution,
+) -> Result<End<C::Answer>, C::Error> {
+    let identity = campaign.work().identity;
+    let entered = ResultsDirectory::enter(path, layout, settings, &identity, execution)?;
+    begin(campaign, campaign.tasks().len(), execution);
+    conduct(campaign, &entered, execution)
+}
+
 /// Enters the directory of a campaign alongside other processes and runs the tasks of one part of it; returns their number.
 ///
 /// # Errors
@@ -173,10 +195,17 @@ pub fn carry_out_shard<C: Campaign, S: Settings>(
 ) -> Result<End<usize>, C::Error> {
     let identity = campaign.work().identity;
     let entered = ResultsDirectory::share(path, layout, settings, &identity, execution)?;
-    let count = campaign.tasks().len();
-    let ours = (0..count).filter(|number| shard.has(*number)).count();
-    execution.progress.begin(ours as u64, "runs");
+    let numbers = 0..campaign.tasks().len();
+    let ours = numbers.filter(|number| shard.has(*number)).count();
+    begin(campaign, ours, execution);
     conduct_shard(campaign, &entered, shard, execution)
+}
+
+/// Announces the progress of some tasks.
+fn begin<C: Campaign>(campaign: &C, tasks: usize, execution: &Execution) {
+    let (steps, name) = campaign.length();
+    let total = steps.saturating_mul(tasks as u64);
+    execution.progress.begin(total, name);
 }
 
 /// Runs the tasks of one part of a campaign while other processes run other parts in the same

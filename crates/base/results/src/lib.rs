@@ -46,7 +46,7 @@ pub mod run;
 pub mod settings;
 pub mod shard;
 
-pub use campaign::{Campaign, carry_out_shard, conduct, conduct_shard, each, recorded};
+pub use campaign::{Campaign, carry_out, carry_out_shard, conduct, conduct_shard, each, recorded};
 pub use checkpoint::{CHECKPOINT, Checkpoint};
 pub use directory::{Layout, ResultsDirectory};
 pub use end::End;

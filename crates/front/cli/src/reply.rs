@@ -3,7 +3,7 @@
 use crate::global::Global;
 use crate::stderr::{for_terminal, note};
 use anyhow::{Error, Result};
-use protomer_common::answer::{Answer, AnyAnswer};
+use protomer_common::answer::{Answer, AnyAnswer, CompletedPart};
 use protomer_results::{End, Shard};
 use serde_json::Value;
 use std::io::Write;
@@ -107,11 +107,23 @@ impl Reply {
     }
 
     /// The answer of a part of work that many processes share, or the note that the part was stopped.
-    pub fn of_part(end: End<impl Answer + Send + 'static>, shard: Shard) -> Self {
+    pub fn of_end_in_part(end: End<impl Answer + Send + 'static>, shard: Shard) -> Self {
         let Shard { index, of } = shard;
         Self::of_end(end, || {
             format!("stopped; the same command continues part {index} of {of}")
         })
+    }
+
+    /// The number of tasks that a part has done; `tasks` names one and several of them.
+    pub fn of_part(count: End<usize>, shard: Shard, tasks: [&'static str; 2]) -> Self {
+        let Shard { index, of } = shard;
+        let part = |count| CompletedPart {
+            shard: index,
+            of,
+            count,
+            tasks,
+        };
+        Self::of_end_in_part(count.map(part), shard)
     }
 
     /// Replaces the text of the answer by data.

@@ -81,7 +81,7 @@ impl SweepArgs {
         let execution = self.execution.execution(front)?;
         if !self.shard.is_whole() {
             let end = run_shard(&settings, &self.output, self.shard, &execution)?;
-            return Ok(Reply::of_part(end, self.shard));
+            return Ok(Reply::of_part(end, self.shard, ["run", "runs"]));
         }
         let directory = self.output.display();
         Ok(match run_sweep(&settings, &self.output, &execution)? {

@@ -66,7 +66,7 @@ impl SweepArgs {
         let execution = self.directory.execution(front)?;
         if !self.shard.is_whole() {
             let end = run_shard(&settings, directory, self.shard, &execution)?;
-            return Ok(Reply::of_part(end, self.shard));
+            return Ok(Reply::of_part(end, self.shard, ["run", "runs"]));
         }
         let end = run_sweep(&settings, directory, &execution)?;
         let directory = directory.display();

@@ -68,7 +68,7 @@ impl TuneArgs {
         let directory = &self.output;
         if !self.shard.is_whole() {
             let end = tune_shard(&settings, &set, directory, self.shard, &device, &execution)?;
-            return Ok(Reply::of_part(end, self.shard));
+            return Ok(Reply::of_end_in_part(end, self.shard));
         }
         let end = tune_in(&settings, &set, directory, &device, &execution)?;
         let naming_set = |mut report: TuneReport| {

@@ -144,7 +144,7 @@ impl StabilityArgs {
         if !self.shard.is_whole() {
             let shard = self.shard;
             let end = run_stability_shard(bodies, settings, &prepare, directory, shard, execution)?;
-            return Ok(Reply::of_part(end, shard));
+            return Ok(Reply::of_part(end, shard, ["condition", "conditions"]));
         }
         Ok(
             match run_stability(bodies, settings, &prepare, directory, execution)? {

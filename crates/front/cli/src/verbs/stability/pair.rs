@@ -147,7 +147,7 @@ impl PairArgs {
     ) -> Result<Reply> {
         if !self.shard.is_whole() {
             let end = run_pair_shard(bodies, settings, directory, self.shard, execution)?;
-            return Ok(Reply::of_part(end, self.shard));
+            return Ok(Reply::of_part(end, self.shard, ["condition", "conditions"]));
         }
         Ok(match run_pair(bodies, settings, directory, execution)? {
             End::Finished(result) => {

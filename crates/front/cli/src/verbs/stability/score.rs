@@ -104,11 +104,8 @@ impl ScoreArgs {
         };
         let directory = &self.output;
         if !self.shard.is_whole() {
-            let Shard { index, of } = self.shard;
             let end = run_score_shard(&complexes, &settings, directory, self.shard, &execution)?;
-            return Ok(Reply::of_end(end, || {
-                format!("stopped; the same command continues part {index} of {of}")
-            }));
+            return Ok(Reply::of_part(end, self.shard, ["complex", "complexes"]));
         }
         match run_score(&complexes, &settings, directory, &execution)? {
             End::Finished(result) => {

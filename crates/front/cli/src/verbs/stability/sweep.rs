@@ -74,7 +74,11 @@ impl SweepArgs {
         say_energies(front, &engine, &settings)?;
         if !self.shard.is_whole() {
             let end = run_shard(&engine, &settings, directory, self.shard, &execution)?;
-            return Ok(Reply::of_part(end, self.shard));
+            return Ok(Reply::of_part(
+                end,
+                self.shard,
+                ["simulation", "simulations"],
+            ));
         }
         Ok(
             match run_sweep(&engine, &settings, directory, &execution)? {

@@ -24,13 +24,12 @@ use super::run::run_lattice;
 use super::settings::LatticeSettings;
 use anyhow::{Context, Error, Result};
 use plan::is_condition;
-use protomer_common::answer::SweepPart;
 use protomer_io::atomic::{write_atomically, write_bytes};
 use protomer_linkage::CrystalError;
 use protomer_linkage::analysis::lyapunov::LyapunovSettings;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, carry_out_shard,
-    conduct, log, settings,
+    Campaign, End, Execution, Layout, ResultKind, Shard, Work, carry_out, carry_out_shard, log,
+    settings,
 };
 use std::path::{Path, PathBuf};
 use table::{conditions_to_csv, correlations_to_csv, crossings_to_csv, runs_to_csv};
@@ -66,13 +65,11 @@ pub fn run_sweep(
     execution: &Execution,
 ) -> Result<End<LatticeSweep>> {
     let sweep = Sweep::new(settings, path)?;
-    let entered = ResultsDirectory::enter(path, &LAYOUT, settings, &sweep.identity, execution)?;
-    execution.progress.begin(sweep.tasks.len() as u64, "runs");
-    conduct(&sweep, &entered, execution)
+    carry_out(&sweep, path, &LAYOUT, settings, execution)
 }
 
-/// Runs or continues the runs of one part of a sweep, while other processes do other parts in the same directory.
-/// [`run_sweep`] finds them done and writes tables and figures.
+/// Runs or continues the runs of one part of a sweep, while other processes do other parts in the same directory;
+/// returns their number. [`run_sweep`] finds them done and writes tables and figures.
 ///
 /// # Errors
 /// As [`run_sweep`].
@@ -81,14 +78,9 @@ pub fn run_shard(
     path: &Path,
     shard: Shard,
     execution: &Execution,
-) -> Result<End<SweepPart>> {
+) -> Result<End<usize>> {
     let sweep = Sweep::new(settings, path)?;
-    let end = carry_out_shard(&sweep, path, &LAYOUT, settings, shard, execution)?;
-    Ok(end.map(|runs| SweepPart {
-        shard: shard.index,
-        of: shard.of,
-        runs,
-    }))
+    carry_out_shard(&sweep, path, &LAYOUT, settings, shard, execution)
 }
 
 struct Sweep<'a> {

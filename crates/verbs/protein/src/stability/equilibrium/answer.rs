@@ -7,7 +7,6 @@ use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::Figure;
-use serde::Serialize;
 use std::path::Path;
 
 /// Parts in the table of the terminal, the largest shares first.
@@ -33,26 +32,6 @@ impl Answer for StabilityResult {
 
     fn figure(&self) -> Option<Figure> {
         Some(figure::figure(self))
-    }
-}
-
-/// A completed part of the conditions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct StabilityPart {
-    /// The number of the part, counted from 1.
-    pub shard: usize,
-    /// The number of parts.
-    pub of: usize,
-    /// Number of its conditions.
-    pub conditions: usize,
-}
-
-impl Answer for StabilityPart {
-    fn text(&self) -> String {
-        format!(
-            "part {} of {}: {} conditions done; run without --shard for the table",
-            self.shard, self.of, self.conditions
-        )
     }
 }
 

@@ -38,7 +38,6 @@ mod settings;
 mod species;
 mod yields;
 
-pub use answer::StabilityPart;
 pub use input::{StabilityBodies, StructureChoices};
 pub use protomer_mc::parts::{GrowthSettings, WindowSettings};
 pub use result::{
@@ -53,8 +52,8 @@ use anyhow::{Error, Result};
 use condition::{Condition, ConditionParts};
 use plan::{Plan, in_medium};
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
-    conduct_shard, drive, settings as stored,
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, carry_out,
+    carry_out_shard, drive, settings as stored,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -121,13 +120,11 @@ pub fn run_stability(
     refuse_other_settings(settings, directory, execution)?;
     let plan = Plan::new(bodies.first(), &bodies.names, settings, prepare)?;
     let conditions = Conditions::new(bodies, &plan, settings, prepare, directory)?;
-    let identity = &conditions.identity;
-    let entered = ResultsDirectory::enter(directory, &LAYOUT, settings, identity, execution)?;
-    conditions.tell_length(execution, conditions.tasks.len());
-    conduct(&conditions, &entered, execution)
+    carry_out(&conditions, directory, &LAYOUT, settings, execution)
 }
 
-/// Computes some of the conditions, while other processes compute others in the same directory.
+/// Computes some of the conditions, while other processes compute others in the same directory; returns their
+/// number.
 /// [`run_stability`] finds them done and writes the tables and the figure.
 ///
 /// # Errors
@@ -139,21 +136,12 @@ pub fn run_stability_shard(
     directory: &Path,
     shard: Shard,
     execution: &Execution,
-) -> Result<End<StabilityPart>> {
+) -> Result<End<usize>> {
     settings.check()?;
     refuse_other_settings(settings, directory, execution)?;
     let plan = Plan::new(bodies.first(), &bodies.names, settings, prepare)?;
     let conditions = Conditions::new(bodies, &plan, settings, prepare, directory)?;
-    let identity = &conditions.identity;
-    let entered = ResultsDirectory::share(directory, &LAYOUT, settings, identity, execution)?;
-    let ours = (0..conditions.tasks.len()).filter(|number| shard.has(*number));
-    conditions.tell_length(execution, ours.count());
-    let end = conduct_shard(&conditions, &entered, shard, execution)?;
-    Ok(end.map(|conditions| StabilityPart {
-        shard: shard.index,
-        of: shard.of,
-        conditions,
-    }))
+    carry_out_shard(&conditions, directory, &LAYOUT, settings, shard, execution)
 }
 
 /// Refuses a directory with other settings, before bodies are read and parts planned.
@@ -214,11 +202,6 @@ impl<'a> Conditions<'a> {
             tasks,
         })
     }
-
-    fn tell_length(&self, execution: &Execution, conditions: usize) {
-        let parts = self.plan.parts.parts.len() * conditions;
-        execution.progress.begin(parts as u64, "parts");
-    }
 }
 
 impl<'a> Campaign for Conditions<'a> {
@@ -243,6 +226,10 @@ impl<'a> Campaign for Conditions<'a> {
 
     fn tasks(&self) -> &[Condition<'a>] {
         &self.tasks
+    }
+
+    fn length(&self) -> (u64, &'static str) {
+        (self.plan.parts.parts.len() as u64, "parts")
     }
 
     fn directory(&self, condition: &Condition<'a>) -> PathBuf {

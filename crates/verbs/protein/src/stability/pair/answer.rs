@@ -1,7 +1,7 @@
 //! What a pair answers: text, figure, and files in its directory.
 
 use super::figure;
-use super::result::{ConditionResult, PairPart, PairResult};
+use super::result::{ConditionResult, PairResult};
 use anyhow::{Context, Result};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::page::millimolar;
@@ -47,15 +47,6 @@ impl Answer for PairResult {
 
     fn figure(&self) -> Option<Figure> {
         Some(figure::figure(self))
-    }
-}
-
-impl Answer for PairPart {
-    fn text(&self) -> String {
-        format!(
-            "part {} of {}: {} conditions done; run without --shard for the table",
-            self.shard, self.of, self.conditions
-        )
     }
 }
 

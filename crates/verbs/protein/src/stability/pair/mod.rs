@@ -34,14 +34,14 @@ mod settings;
 pub use input::PairBodies;
 pub use protomer_mc::contributions::ResiduePlaces;
 pub use residues::ResidueTable;
-pub use result::{ConditionResult, PairPart, PairResult, PoseResult};
+pub use result::{ConditionResult, PairResult, PoseResult};
 pub use settings::{Energies, PairRunSettings};
 
 use anyhow::{Error, Result};
 use condition::Condition;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
-    conduct_shard, drive, settings as stored,
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, carry_out,
+    carry_out_shard, drive, settings as stored,
 };
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -101,13 +101,11 @@ pub fn run_pair(
     execution: &Execution,
 ) -> Result<End<PairResult>> {
     let conditions = Conditions::new(bodies, settings, directory)?;
-    let identity = &conditions.identity;
-    let entered = ResultsDirectory::enter(directory, &LAYOUT, settings, identity, execution)?;
-    conditions.tell_length(execution, conditions.tasks.len());
-    conduct(&conditions, &entered, execution)
+    carry_out(&conditions, directory, &LAYOUT, settings, execution)
 }
 
-/// Computes some of the conditions, while other processes compute others in the same directory.
+/// Computes some of the conditions, while other processes compute others in the same directory; returns their
+/// number.
 /// [`run_pair`] finds them done and writes the table and the figure.
 ///
 /// # Errors
@@ -118,18 +116,9 @@ pub fn run_pair_shard(
     directory: &Path,
     shard: Shard,
     execution: &Execution,
-) -> Result<End<PairPart>> {
+) -> Result<End<usize>> {
     let conditions = Conditions::new(bodies, settings, directory)?;
-    let identity = &conditions.identity;
-    let entered = ResultsDirectory::share(directory, &LAYOUT, settings, identity, execution)?;
-    let ours = (0..conditions.tasks.len()).filter(|number| shard.has(*number));
-    conditions.tell_length(execution, ours.count());
-    let end = conduct_shard(&conditions, &entered, shard, execution)?;
-    Ok(end.map(|conditions| PairPart {
-        shard: shard.index,
-        of: shard.of,
-        conditions,
-    }))
+    carry_out_shard(&conditions, directory, &LAYOUT, settings, shard, execution)
 }
 
 /// Refuses a directory with other settings, before bodies are read.
@@ -181,11 +170,6 @@ impl<'a> Conditions<'a> {
             tasks,
         })
     }
-
-    fn tell_length(&self, execution: &Execution, conditions: usize) {
-        let steps = self.settings.steps().saturating_mul(conditions as u64);
-        execution.progress.begin(steps, "steps");
-    }
 }
 
 impl<'a> Campaign for Conditions<'a> {
@@ -210,6 +194,10 @@ impl<'a> Campaign for Conditions<'a> {
 
     fn tasks(&self) -> &[Condition<'a>] {
         &self.tasks
+    }
+
+    fn length(&self) -> (u64, &'static str) {
+        (self.settings.steps(), "steps")
     }
 
     fn directory(&self, condition: &Condition<'a>) -> PathBuf {

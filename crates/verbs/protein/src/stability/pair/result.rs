@@ -135,17 +135,6 @@ impl Association {
     }
 }
 
-/// A completed part of the conditions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct PairPart {
-    /// The number of the part, counted from 1.
-    pub shard: usize,
-    /// The number of parts.
-    pub of: usize,
-    /// Number of its conditions.
-    pub conditions: usize,
-}
-
 impl ConditionResult {
     pub(super) fn new(
         bodies: [&Body; 2],

@@ -45,7 +45,7 @@ mod source;
 mod table;
 
 pub use measure::Measure;
-pub use result::{ScorePart, ScoreResult};
+pub use result::ScoreResult;
 pub use settings::ScoreSettings;
 pub use source::{Complexes, StatedComplex};
 pub use table::ShownScores;
@@ -54,8 +54,8 @@ use anyhow::{Context, Error, Result};
 use complex::score;
 use protomer_common::cpu_time::ProcessClock;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
-    conduct_shard, settings as stored,
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, carry_out,
+    carry_out_shard, settings as stored,
 };
 use record::ScoreRecord;
 use result::Cost;
@@ -113,15 +113,11 @@ pub fn run_score(
 ) -> Result<End<ScoreResult>> {
     settings.check()?;
     let scores = Scores::new(complexes, settings, directory)?;
-    let identity = &scores.identity;
-    let entered = ResultsDirectory::enter(directory, &LAYOUT, settings, identity, execution)?;
-    let total = complexes.0.len() as u64;
-    execution.progress.begin(total, "complexes");
-    conduct(&scores, &entered, execution)
+    carry_out(&scores, directory, &LAYOUT, settings, execution)
 }
 
-/// Scores some of the complexes, while other processes score others in the same directory. [`run_score`] finds them
-/// done and writes the table.
+/// Scores some of the complexes, while other processes score others in the same directory; returns their number.
+/// [`run_score`] finds them done and writes the table.
 ///
 /// # Errors
 /// As [`run_score`].
@@ -131,19 +127,10 @@ pub fn run_score_shard(
     directory: &Path,
     shard: Shard,
     execution: &Execution,
-) -> Result<End<ScorePart>> {
+) -> Result<End<usize>> {
     settings.check()?;
     let scores = Scores::new(complexes, settings, directory)?;
-    let identity = &scores.identity;
-    let entered = ResultsDirectory::share(directory, &LAYOUT, settings, identity, execution)?;
-    let ours = (0..complexes.0.len()).filter(|number| shard.has(*number));
-    execution.progress.begin(ours.count() as u64, "complexes");
-    let end = conduct_shard(&scores, &entered, shard, execution)?;
-    Ok(end.map(|complexes| ScorePart {
-        shard: shard.index,
-        of: shard.of,
-        complexes,
-    }))
+    carry_out_shard(&scores, directory, &LAYOUT, settings, shard, execution)
 }
 
 /// Refuses a directory with other settings, before structures are read.
@@ -207,6 +194,10 @@ impl Campaign for Scores<'_> {
 
     fn tasks(&self) -> &[StatedComplex] {
         &self.complexes.0
+    }
+
+    fn length(&self) -> (u64, &'static str) {
+        (1, "complexes")
     }
 
     fn directory(&self, complex: &StatedComplex) -> PathBuf {

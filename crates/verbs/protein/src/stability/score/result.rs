@@ -139,25 +139,3 @@ impl ScoreResult {
         }
     }
 }
-
-/// A completed part of the complexes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct ScorePart {
-    /// The number of the part, counted from 1.
-    pub shard: usize,
-    /// The number of parts.
-    pub of: usize,
-    /// Number of its complexes.
-    pub complexes: usize,
-}
-
-impl Answer for ScorePart {
-    fn text(&self) -> String {
-        format!(
-            "part {} of {}: {} done; run without --shard for the table",
-            self.shard,
-            self.of,
-            counted(self.complexes, "complex", "complexes")
-        )
-    }
-}

@@ -29,11 +29,10 @@ use protomer_kernel::Boundary;
 use protomer_mc::observables::contacts;
 use protomer_plot::Figure;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
-    conduct_shard, drive, keys, log, settings,
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, carry_out,
+    carry_out_shard, drive, keys, log, settings,
 };
 use result::{RESULT, SweepResult};
-use serde::Serialize;
 use serde_json::{Value, json};
 use stability::Stability;
 use std::path::{Path, PathBuf};
@@ -68,8 +67,8 @@ impl Answer for SweepResult {
             "largest cluster",
             "energy (kT)",
         ])];
-            let averages = &row.averages;
         for row in &self.salts {
+            let averages = &row.averages;
             rows.push(vec![
                 format!("{:.4}", row.salt_molar),
                 format!("{:.2}", averages.r_g_angstrom.mean),
@@ -96,26 +95,6 @@ impl Answer for SweepResult {
 
     fn figure(&self) -> Option<Figure> {
         Some(figure::figure(self))
-    }
-}
-
-/// A completed part of a sweep.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct SweepPart {
-    /// The number of the part, counted from 1.
-    pub shard: usize,
-    /// The number of parts.
-    pub of: usize,
-    /// Number of simulations of the part.
-    pub simulations: usize,
-}
-
-impl Answer for SweepPart {
-    fn text(&self) -> String {
-        format!(
-            "part {} of {}: {} simulations done; run without --shard for the table",
-            self.shard, self.of, self.simulations
-        )
     }
 }
 
@@ -165,10 +144,7 @@ pub fn run_sweep(
 ) -> Result<End<SweepResult>> {
     let settings = &resolved(engine, settings, directory, execution)?;
     let sweep = Sweep::new(engine, settings, directory)?;
-    let entered =
-        ResultsDirectory::enter(directory, &LAYOUT, settings, &sweep.identity, execution)?;
-    sweep.tell_length(execution, sweep.tasks.len());
-    conduct(&sweep, &entered, execution)
+    carry_out(&sweep, directory, &LAYOUT, settings, execution)
 }
 
 /// Runs or continues one simulation in a directory: a sweep of one salt concentration and one
@@ -198,7 +174,7 @@ pub fn simulate(
 }
 
 /// Runs or continues the simulations of one part of a sweep, while other processes do other parts
-/// in the same directory. [`run_sweep`] finds them done and writes the table and the figure.
+/// in the same directory; returns their number. [`run_sweep`] finds them done and writes the table and the figure.
 ///
 /// # Errors
 /// As [`run_sweep`].
@@ -208,19 +184,10 @@ pub fn run_shard(
     directory: &Path,
     shard: Shard,
     execution: &Execution,
-) -> Result<End<SweepPart>> {
+) -> Result<End<usize>> {
     let settings = &resolved(engine, settings, directory, execution)?;
     let sweep = Sweep::new(engine, settings, directory)?;
-    let entered =
-        ResultsDirectory::share(directory, &LAYOUT, settings, &sweep.identity, execution)?;
-    let ours = (0..sweep.tasks.len()).filter(|number| shard.has(*number));
-    sweep.tell_length(execution, ours.count());
-    let end = conduct_shard(&sweep, &entered, shard, execution)?;
-    Ok(end.map(|simulations| SweepPart {
-        shard: shard.index,
-        of: shard.of,
-        simulations,
-    }))
+    carry_out_shard(&sweep, directory, &LAYOUT, settings, shard, execution)
 }
 
 /// The settings with everything chosen that they leave open, as [`run_sweep`] uses and stores them.
@@ -345,16 +312,6 @@ impl<'a> Sweep<'a> {
         Ok(engine.get_or_init(|| made))
     }
 
-    fn tell_length(&self, execution: &Execution, tasks: usize) {
-        // With exchange a task is a whole ladder.
-        let simulations = match self.settings.exchange_every {
-            0 => tasks,
-            _ => tasks * self.settings.salt_molar.len(),
-        };
-        let sweeps = (simulations as u64).saturating_mul(self.settings.total_sweeps());
-        execution.progress.begin(sweeps, "sweeps");
-    }
-
     fn run_simulation(
         &self,
         salt_index: usize,
@@ -458,6 +415,16 @@ impl Campaign for Sweep<'_> {
 
     fn tasks(&self) -> &[Task] {
         &self.tasks
+    }
+
+    fn length(&self) -> (u64, &'static str) {
+        // With exchange a task is a whole ladder.
+        let simulations = match self.settings.exchange_every {
+            0 => 1,
+            _ => self.settings.salt_molar.len() as u64,
+        };
+        let sweeps = self.settings.total_sweeps();
+        (simulations.saturating_mul(sweeps), "sweeps")
     }
 
     fn directory(&self, task: &Task) -> PathBuf {

@@ -17,12 +17,12 @@ use super::settings::{HardBodySettings, Pressure};
 use super::start::{BodyShape, FLUID};
 use anyhow::{Context, Error, Result, bail};
 use equation::integrate;
-use protomer_common::answer::{Answer, SweepPart};
+use protomer_common::answer::Answer;
 use protomer_io::atomic::write_bytes;
 use protomer_kernel::shape::measures::Measures;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Settings, Shard, Work,
-    carry_out_shard, conduct, settings,
+    Campaign, End, Execution, Layout, ResultKind, Settings, Shard, Work, carry_out,
+    carry_out_shard, settings,
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -215,13 +215,11 @@ pub fn run_sweep(
     execution: &Execution,
 ) -> Result<End<EquationOfState>> {
     let sweep = Sweep::new(settings, path)?;
-    let entered = ResultsDirectory::enter(path, &LAYOUT, settings, &sweep.identity, execution)?;
-    execution.progress.begin(sweep.tasks.len() as u64, "runs");
-    conduct(&sweep, &entered, execution)
+    carry_out(&sweep, path, &LAYOUT, settings, execution)
 }
 
-/// Runs or continues the runs of one part of a sweep, while other processes do other parts in the same directory.
-/// [`run_sweep`] finds them done and writes the table and the figure.
+/// Runs or continues the runs of one part of a sweep, while other processes do other parts in the same directory;
+/// returns their number. [`run_sweep`] finds them done and writes the table and the figure.
 ///
 /// # Errors
 /// As [`run_sweep`].
@@ -230,14 +228,9 @@ pub fn run_shard(
     path: &Path,
     shard: Shard,
     execution: &Execution,
-) -> Result<End<SweepPart>> {
+) -> Result<End<usize>> {
     let sweep = Sweep::new(settings, path)?;
-    let end = carry_out_shard(&sweep, path, &LAYOUT, settings, shard, execution)?;
-    Ok(end.map(|runs| SweepPart {
-        shard: shard.index,
-        of: shard.of,
-        runs,
-    }))
+    carry_out_shard(&sweep, path, &LAYOUT, settings, shard, execution)
 }
 
 struct Sweep<'a> {
@@ -409,7 +402,7 @@ mod tests {
             let shard = Shard::parse(&format!("{index}/3")).unwrap();
             let end = run_shard(&settings, &parts, shard, &Execution::default()).unwrap();
             let expected = if index == 1 { 2 } else { 1 };
-            assert_eq!(end.finished().unwrap().runs, expected);
+            assert_eq!(end.finished().unwrap(), expected);
         }
         run(&settings, &parts);
         run(&settings, &whole);
