@@ -2,7 +2,7 @@
 
 use super::settings::choice;
 use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use protomer_body::chemistry::{
     ChargeModel, PkaSource, SiteSettings, StructureTitration, parse_mutations,
 };
@@ -146,7 +146,7 @@ pub struct SurfaceFlags {
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     probe: f64,
     /// Treatment of cavities; if omitted, a body drops them and `surface` keeps them.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Cavities>())]
     cavities: Option<Cavities>,
     /// A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors
     /// are never filled, because other bodies may be inside.
@@ -163,26 +163,28 @@ pub struct SurfaceFlags {
 #[command(next_help_heading = "Surface")]
 pub struct CoreArgs {
     /// Hard core of the body; native for structures and surface for PQR files if omitted.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Core>())]
     core: Option<Core>,
 }
 
-/// The hard core of a body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Core {
-    /// A core within the surface that admits the contacts of natural complexes.
-    Native,
-    /// The solvent-excluded surface itself.
-    Surface,
+protomer_kernel::choices! {
+    /// The hard core of a body.
+    pub enum Core {
+        /// A core within the surface that admits the contacts of natural complexes.
+        Native = "native",
+        /// The solvent-excluded surface itself.
+        Surface = "surface",
+    }
 }
 
-/// Treatments of cavities.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Cavities {
-    /// Fill them, except for enclosed interiors.
-    Drop,
-    /// Keep their walls as part of the mesh.
-    Keep,
+protomer_kernel::choices! {
+    /// Treatments of cavities.
+    pub enum Cavities {
+        /// Fill them, except for enclosed interiors.
+        Drop = "drop",
+        /// Keep their walls as part of the mesh.
+        Keep = "keep",
+    }
 }
 
 impl SelectionArgs {

@@ -186,10 +186,11 @@ fn given(matches: &ArgMatches, declaration: &Declaration) -> Option<Given> {
 }
 
 fn possible_values(choices: &[Choice]) -> PossibleValuesParser {
-    let values = choices
-        .iter()
-        .map(|choice| PossibleValue::new(choice.name).help(paragraph(choice.text)));
-    PossibleValuesParser::new(values)
+    let value = |choice: &Choice| match choice.text {
+        [] => PossibleValue::new(choice.name),
+        text => PossibleValue::new(choice.name).help(paragraph(text)),
+    };
+    PossibleValuesParser::new(choices.iter().map(value))
 }
 
 /// Reader of a flag that chooses by name.

@@ -2,7 +2,7 @@
 
 use crate::flags::settings::choice;
 use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use protomer_common::range;
 use protomer_field::IonModel;
 use protomer_protein_verbs::stability::effective::SoluteModel;
@@ -56,22 +56,23 @@ impl SoluteArgs {
 pub struct ChargesArgs {
     /// Effect on the charges of the low permittivity of the bodies, which salt does not enter
     /// [default: bare].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Charges>())]
     pub interaction: Option<Charges>,
     #[command(flatten)]
     pub solute: SoluteArgs,
 }
 
-/// The charges of an interaction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Charges {
-    /// No effect: the charges of the bodies in salt water everywhere.
-    Bare,
-    /// Effective charges act, which give the potential around a body; from 3 Å on.
-    Effective,
-    /// The charges of the bodies act, and to first order the response of the salt water that both
-    /// displace; for native contacts.
-    Response,
+protomer_kernel::choices! {
+    /// The charges of an interaction.
+    pub enum Charges {
+        /// No effect: the charges of the bodies in salt water everywhere.
+        Bare = "bare",
+        /// Effective charges act, which give the potential around a body; from 3 Å on.
+        Effective = "effective",
+        /// The charges of the bodies act, and to first order the response of the salt water that both
+        /// displace; for native contacts.
+        Response = "response",
+    }
 }
 
 /// Models of the inside of the bodies, by purpose.

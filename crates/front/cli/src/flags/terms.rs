@@ -1,7 +1,8 @@
 //! The flags of the energy terms in addition to the charges.
 
+use crate::flags::settings::choice;
 use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use protomer_body::residue_contacts::ContactScale;
 use protomer_common::range;
 use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
@@ -11,7 +12,7 @@ use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
 #[command(next_help_heading = "Further terms")]
 pub struct ContactArgs {
     /// Attraction between residues, by a published scale [default: none].
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Scale>())]
     pub contacts: Option<Scale>,
     /// Factor on the attraction of the scale [default: 1].
     #[arg(long, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
@@ -29,15 +30,16 @@ pub struct TermsArgs {
     pub desolvation: bool,
 }
 
-/// The scales of the contact term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Scale {
-    /// No attraction between residues.
-    None,
-    /// Ashbaugh-Hatch with the stickiness of Calvados 3.
-    Calvados3,
-    /// Kim-Hummer with the contact energies of Miyazawa and Jernigan.
-    KimHummer,
+protomer_kernel::choices! {
+    /// The scales of the contact term.
+    pub enum Scale {
+        /// No attraction between residues.
+        None = "none",
+        /// Ashbaugh-Hatch with the stickiness of Calvados 3.
+        Calvados3 = "calvados3",
+        /// Kim-Hummer with the contact energies of Miyazawa and Jernigan.
+        KimHummer = "kim-hummer",
+    }
 }
 
 impl From<ContactScale> for Scale {

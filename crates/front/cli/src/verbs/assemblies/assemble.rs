@@ -3,11 +3,12 @@
 use crate::flags::body::{
     ChainGroupArgs, ChargeArgs, CoreArgs, SelectionArgs, SurfaceFlags, body_settings,
 };
+use crate::flags::settings::choice;
 use crate::flags::space::SpaceArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use protomer_body::assembly::RecipeSite;
 use protomer_common::range;
 use protomer_protein_verbs::assemblies::fluid::assemble_fluid;
@@ -53,23 +54,13 @@ pub struct StructureArgs {
     #[command(flatten)]
     bodies: ChainGroupArgs,
     /// The shapes of copies.
-    #[arg(long, value_enum, default_value_t = Shapes::Fitting, help_heading = "Bodies")]
-    shapes: Shapes,
+    #[arg(long, value_parser = choice::<CopyShapes>(), default_value = "fitting", help_heading = "Bodies")]
+    shapes: CopyShapes,
     /// Remove overlaps by the least displacements and rotations of the bodies.
     #[arg(long)]
     relax: bool,
     #[command(flatten)]
     space: SpaceArgs,
-}
-
-/// The shapes of copies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Shapes {
-    /// Shape of the reference, but the copy's own where it would overlap another body otherwise or
-    /// lose contacts of the structure.
-    Fitting,
-    /// Shape of the reference.
-    Shared,
 }
 
 /// A ring of bodies, or a stack of two rings, closed to contact. Bodies alternate around the ring.
@@ -138,10 +129,7 @@ impl StructureArgs {
         let settings = StructureSettings {
             body: body_settings(&self.selection, &self.charges, &self.surface, self.core)?,
             joined: self.bodies.body.clone(),
-            shapes: match self.shapes {
-                Shapes::Fitting => CopyShapes::Fitting,
-                Shapes::Shared => CopyShapes::Shared,
-            },
+            shapes: self.shapes,
             relax: self.relax,
             box_angstrom: self.space.box_angstrom()?,
             force: front.force(),

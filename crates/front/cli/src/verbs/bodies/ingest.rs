@@ -1,12 +1,14 @@
 //! `protomer ingest`: structure files to bodies.
 
 use crate::flags::body::{ChargeArgs, CoreArgs, SelectionArgs, SurfaceFlags, body_settings};
+use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::{Outcome, Reply};
 use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use protomer_common::input;
 use protomer_common::range;
+use protomer_kernel::setting::Choices;
 use protomer_protein_verbs::bodies::ingest::{IngestSettings, Ingested, ingest_files};
 use protomer_protein_verbs::bodies::stream::{StreamState, ingest_stream};
 use protomer_results::Shard;
@@ -34,7 +36,7 @@ pub struct IngestArgs {
     #[command(flatten)]
     core: CoreArgs,
     /// Write the mesh and the charges in these formats as well.
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_parser = choice::<Export>(), value_delimiter = ',')]
     export: Vec<Export>,
     /// For very many files: outcomes and warnings go to ingest.csv and warnings.csv in the output
     /// folder instead of the answer, memory is bounded, and the same command continues.
@@ -52,13 +54,14 @@ pub struct IngestArgs {
     time_limit: Option<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Export {
-    Ply,
-    Obj,
-    Off,
-    Stl,
-    Pqr,
+protomer_kernel::choices! {
+    enum Export {
+        Ply = "ply",
+        Obj = "obj",
+        Off = "off",
+        Stl = "stl",
+        Pqr = "pqr",
+    }
 }
 
 impl IngestArgs {
@@ -68,7 +71,7 @@ impl IngestArgs {
         let settings = IngestSettings {
             body: body_settings(&self.selection, &self.charges, &self.surface, self.core)?,
             name: self.name.clone(),
-            exports: self.export.iter().map(|export| export.ending()).collect(),
+            exports: self.export.iter().map(|export| export.name()).collect(),
             force: front.force(),
         };
         if self.stream {
@@ -127,16 +130,4 @@ fn warnings(ingested: &Ingested) -> Vec<String> {
         lines.extend(warnings.map(|warning| format!("warning: {file}: {warning}")));
     }
     lines
-}
-
-impl Export {
-    fn ending(self) -> &'static str {
-        match self {
-            Export::Ply => "ply",
-            Export::Obj => "obj",
-            Export::Off => "off",
-            Export::Stl => "stl",
-            Export::Pqr => "pqr",
-        }
-    }
 }

@@ -5,7 +5,7 @@ use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use protomer_common::output_file::write_once;
 use protomer_common::quantity;
 use protomer_linkage_verbs::lattice::square_of_body::{Axis, Size, square_of_body};
@@ -13,14 +13,15 @@ use protomer_protein_verbs::bodies::body_file;
 use protomer_protein_verbs::stability::joint::{JointSettings, joint};
 use std::path::PathBuf;
 
-/// Charges that act between the bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Charges {
-    /// The charges of the bodies, screened by salt.
-    Bare,
-    /// Effective charges: those that give the potential around bodies of low permittivity that salt
-    /// does not enter.
-    Effective,
+protomer_kernel::choices! {
+    /// Charges that act between the bodies.
+    enum Charges {
+        /// The charges of the bodies, screened by salt.
+        Bare = "bare",
+        /// Effective charges: those that give the potential around bodies of low permittivity that salt
+        /// does not enter.
+        Effective = "effective",
+    }
 }
 
 /// The potential of mean force of two copies of a body that a rod ties at their corners, against the
@@ -48,7 +49,7 @@ pub struct JointArgs {
     #[arg(long, default_value_t = 360)]
     directions: usize,
     /// Charges of the bodies.
-    #[arg(long, value_enum, default_value_t = Charges::Bare)]
+    #[arg(long, value_parser = choice::<Charges>(), default_value = "bare")]
     interaction: Charges,
     #[command(flatten)]
     condition: ConditionArgs,

@@ -6,12 +6,13 @@ use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::MediumArgs;
 use crate::flags::model::ModelArgs;
 use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::settings::choice;
 use crate::flags::solute::SoluteArgs;
 use crate::flags::terms::TermsArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Context, Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use protomer_body::BodySettings;
 use protomer_body::chemistry::StructureTitration;
 use protomer_common::{quantity, range};
@@ -47,8 +48,8 @@ pub struct PairArgs {
     #[command(flatten)]
     protonation: ProtonationArgs,
     /// Interaction of the bodies apart from their hard cores [default: bare].
-    #[arg(long, value_enum)]
-    interaction: Option<Interaction>,
+    #[arg(long, value_parser = choice::<Energies>())]
+    interaction: Option<Energies>,
     #[command(flatten)]
     model: ModelArgs,
     /// The wanted standard error of B2, relative to the larger of its magnitude and its hard part.
@@ -71,7 +72,7 @@ pub struct PairArgs {
     #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "output")]
     shard: Shard,
     /// Hard cores of the bodies: their surfaces, or the cores of the beads of the contact term.
-    #[arg(long, value_enum, default_value_t = CoreChoice::Surface)]
+    #[arg(long, value_parser = choice::<CoreChoice>(), default_value = "surface")]
     core: CoreChoice,
     #[command(flatten)]
     terms: TermsArgs,
@@ -87,28 +88,14 @@ pub struct PairArgs {
     scheduler: SchedulerArgs,
 }
 
-/// Interactions between two bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Interaction {
-    /// No interaction besides the surfaces.
-    Hard,
-    /// The charges of the bodies, screened by salt.
-    Bare,
-    /// Effective charges: those that give the potential around bodies of low permittivity that salt
-    /// does not enter; from 3 Å on.
-    Effective,
-    /// The charges of the bodies, and to first order the response of the salt water that both
-    /// displace; for native contacts.
-    Response,
-}
-
-/// Hard cores of two bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum CoreChoice {
-    /// The solvent-excluded surfaces.
-    Surface,
-    /// The beads of the published force field, for comparison with programs that have no surfaces.
-    Beads,
+protomer_kernel::choices! {
+    /// Hard cores of two bodies.
+    enum CoreChoice {
+        /// The solvent-excluded surfaces.
+        Surface = "surface",
+        /// The beads of the published force field, for comparison with programs that have no surfaces.
+        Beads = "beads",
+    }
 }
 
 impl PairArgs {
@@ -184,19 +171,19 @@ impl PairArgs {
     /// keeps it if the default changes.
     fn effective_solute(&self) -> Option<SoluteModel> {
         match self.interaction() {
-            Interaction::Effective | Interaction::Response => {
+            Energies::Effective | Energies::Response => {
                 Some(self.solute.solute().unwrap_or_default())
             }
-            Interaction::Hard | Interaction::Bare => self.solute.solute(),
+            Energies::Hard | Energies::Bare => self.solute.solute(),
         }
     }
 
     /// Interaction of the charges, stated or by the model.
-    fn interaction(&self) -> Interaction {
+    fn interaction(&self) -> Energies {
         let response = self.model.model().map(Model::solvent_response);
         let by_model = match response {
-            Some(Some(_)) => Interaction::Response,
-            Some(None) | None => Interaction::Bare,
+            Some(Some(_)) => Energies::Response,
+            Some(None) | None => Energies::Bare,
         };
         self.interaction.unwrap_or(by_model)
     }
@@ -234,12 +221,7 @@ impl PairArgs {
             },
             ph: self.ph.clone(),
             protonation: self.titration()?,
-            energies: match self.interaction() {
-                Interaction::Hard => Energies::Hard,
-                Interaction::Bare => Energies::Bare,
-                Interaction::Effective => Energies::Effective,
-                Interaction::Response => Energies::Response,
-            },
+            energies: self.interaction(),
             solute: self.effective_solute(),
             desolvation: self.terms.desolvation,
             contacts: self.contact_term()?,

@@ -41,15 +41,15 @@ use std::sync::Arc;
 /// Copies in equivalent places are nearer than this to where a rotation maps each other, Å.
 const SAME_PLACE_ANGSTROM: f64 = 3.0;
 
-/// Shapes of the copies of a unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum CopyShapes {
-    /// Shape of the reference, unless a copy differs from it and would overlap another body or lose contacts
-    /// of the structure with it.
-    #[default]
-    Fitting,
-    /// Shape of the reference.
-    Shared,
+protomer_kernel::choices! {
+    /// Shapes of the copies of a unit.
+    pub enum CopyShapes, default Fitting {
+        /// Shape of the reference, but the copy's own where it would overlap another body otherwise or
+        /// lose contacts of the structure.
+        Fitting = "fitting",
+        /// Shape of the reference.
+        Shared = "shared",
+    }
 }
 
 /// Settings for the decomposition of a structure into bodies.

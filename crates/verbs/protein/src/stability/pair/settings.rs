@@ -14,19 +14,20 @@ use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Interactions of two bodies in addition to their surfaces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Energies {
-    /// No energy.
-    Hard,
-    /// The charges of the bodies, screened by salt.
-    Bare,
-    /// Effective charges of the bodies: those that give the potential around bodies of low permittivity
-    /// that salt does not enter.
-    Effective,
-    /// The charges of the bodies, and the response of the salt water that the bodies displace.
-    Response,
+protomer_kernel::choices! {
+    /// Interactions of two bodies in addition to their surfaces.
+    pub enum Energies {
+        /// No interaction besides the surfaces.
+        Hard = "hard",
+        /// The charges of the bodies, screened by salt.
+        Bare = "bare",
+        /// Effective charges: those that give the potential around bodies of low permittivity that salt
+        /// does not enter; from 3 Å on.
+        Effective = "effective",
+        /// The charges of the bodies, and to first order the response of the salt water that both
+        /// displace; for native contacts.
+        Response = "response",
+    }
 }
 
 impl Energies {
