@@ -1,6 +1,7 @@
 //! Bodies where a file has them: a frame of a GSD file, whatever program wrote it.
 
 use crate::hard_bodies::start::FLUID;
+use crate::shape_words::ShapeWords;
 use anyhow::{Context, Result, bail};
 use nalgebra::Quaternion;
 use protomer_common::live::{Arrays, Column, Live, Rows, refuse_others, take};
@@ -8,12 +9,8 @@ use protomer_hpmc::crystal::UnitCell;
 use protomer_io::atomic::sha256_hex;
 use protomer_io::gsd::TrajectoryReader;
 use protomer_kernel::{Rotation, Vec3};
-use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
-
-/// Largest difference of two coordinates of one shape, as a part of its size: files in single precision round.
-const SAME: f64 = 1e-4;
 
 /// Whether a start is a state: a GSD file, or the directory of a run. The name of a start is that start, whatever directories
 /// there are.
@@ -141,9 +138,9 @@ impl GivenState {
             };
             let words =
                 |what: &str| format!("{}: the shape of kind {} {what}", self.origin, number + 1);
-            let found: Option<Outline> =
+            let found: Option<ShapeWords> =
                 serde_json::from_str(text).with_context(|| words("cannot be read"))?;
-            let wanted: Option<Outline> = serde_json::from_value(shape.clone())?;
+            let wanted: Option<ShapeWords> = serde_json::from_value(shape.clone())?;
             if let (Some(found), Some(wanted)) = (found, wanted)
                 && !found.is_empty()
                 && !found.is_like(&wanted)
@@ -242,93 +239,6 @@ pub(crate) fn arrays_of(simulation: &dyn Live) -> Arrays {
     let values = simulation.space().to_vec();
     arrays.insert("box".into(), Rows { columns: 6, values });
     arrays
-}
-
-/// A shape in the words of the schema.
-#[derive(Debug, Clone, Deserialize)]
-struct Outline {
-    #[serde(rename = "type", default)]
-    kind: String,
-    #[serde(default)]
-    diameter: f64,
-    #[serde(default)]
-    rounding_radius: f64,
-    #[serde(default)]
-    vertices: Vec<Vec<f64>>,
-    #[serde(default)]
-    centers: Vec<Vec<f64>>,
-    #[serde(default)]
-    a: f64,
-    #[serde(default)]
-    b: f64,
-    #[serde(default)]
-    c: f64,
-}
-
-impl std::fmt::Display for Outline {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match (self.kind.as_str(), self.vertices.len()) {
-            ("Sphere", _) => write!(f, "a Sphere of diameter {:.5}", self.diameter),
-            ("Ellipsoid", _) => write!(
-                f,
-                "an Ellipsoid {:.5}, {:.5}, {:.5}",
-                self.a, self.b, self.c
-            ),
-            (kind, corners) => write!(
-                f,
-                "a {kind} with {corners} corners, {:.5} from the centre, rounded by {:.5}",
-                self.size(),
-                self.rounding_radius
-            ),
-        }
-    }
-}
-
-impl Outline {
-    fn is_empty(&self) -> bool {
-        self.kind.is_empty()
-    }
-
-    /// Largest distance from the centre.
-    fn size(&self) -> f64 {
-        let corners = self.vertices.iter().chain(&self.centers);
-        let radii = corners.map(|corner| corner.iter().map(|x| x * x).sum::<f64>().sqrt());
-        radii.fold(self.diameter.max(self.a).max(self.b), f64::max)
-    }
-
-    /// Whether the shapes are the same to within single precision, whatever the order of their corners.
-    fn is_like(&self, other: &Self) -> bool {
-        let tolerance = SAME * other.size().max(self.size()).max(f64::MIN_POSITIVE);
-        let numbers = |shape: &Self| {
-            [
-                shape.diameter,
-                shape.rounding_radius,
-                shape.a,
-                shape.b,
-                shape.c,
-            ]
-        };
-        let are_close = |first: &[f64], second: &[f64]| {
-            // A polygon may have been written with a third coordinate of zero.
-            (0..first.len().max(second.len())).all(|axis| {
-                let coordinate = |place: &[f64]| place.get(axis).copied().unwrap_or(0.0);
-                (coordinate(first) - coordinate(second)).abs() <= tolerance
-            })
-        };
-        let have_same = |first: &[Vec<f64>], second: &[Vec<f64>]| {
-            first
-                .iter()
-                .all(|place| second.iter().any(|other| are_close(place, other)))
-        };
-        let have_same_corners = |first: &Self, second: &Self| {
-            have_same(&first.vertices, &second.vertices)
-                && have_same(&first.centers, &second.centers)
-        };
-        self.kind == other.kind
-            && are_close(&numbers(self), &numbers(other))
-            && have_same_corners(self, other)
-            && have_same_corners(other, self)
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The bodies of a trajectory with convex shapes, or unions of them, as meshes to look at.
 
+use crate::shape_words::ShapeWords;
 use anyhow::{Context, Result, bail};
 use protomer_common::page::scene::{Scene, Shown, ShownMesh};
 use protomer_common::page::{Part, Section};
@@ -7,7 +8,6 @@ use protomer_io::gsd::{GsdFile, TrajectoryReader};
 use protomer_kernel::quadrature::points_on_sphere;
 use protomer_kernel::shape::{Shape, hull::Hull};
 use protomer_kernel::{TriangleMesh, Vec3};
-use serde::Deserialize;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -46,7 +46,9 @@ pub fn section(path: &Path, unit: &str) -> Result<Section> {
     }
     let mut meshes = Vec::with_capacity(shapes.len());
     for (number, text) in shapes.iter().enumerate() {
-        let words: ShapeWords = serde_json::from_str(text)
+        let words: Option<ShapeWords> = serde_json::from_str(text).ok();
+        let stated = words.filter(|words| !words.is_empty());
+        let words = stated
             .with_context(|| format!("{} has no shape that is understood", path.display()))?;
         meshes.push(ShownMesh {
             name: match shapes.len() {
@@ -76,34 +78,6 @@ fn shapes(path: &Path) -> Result<Vec<String>> {
     let chunk = GsdFile::open(path)?.chunk(0, "particles/type_shapes")?;
     let shapes = chunk.and_then(|chunk| chunk.texts());
     shapes.with_context(|| format!("{} has no shape", path.display()))
-}
-
-/// The shape in a trajectory, in the words of its schema.
-#[derive(Debug, Deserialize)]
-struct ShapeWords {
-    #[serde(rename = "type")]
-    kind: String,
-    /// Half axes of an ellipsoid.
-    #[serde(default)]
-    a: f64,
-    #[serde(default)]
-    b: f64,
-    #[serde(default)]
-    c: f64,
-    #[serde(default)]
-    diameter: f64,
-    #[serde(default)]
-    rounding_radius: f64,
-    #[serde(default)]
-    vertices: Vec<Vec<f64>>,
-    /// Corners of the triangles of a mesh.
-    #[serde(default)]
-    indices: Vec<[u32; 3]>,
-    /// Centres of the balls of a union.
-    #[serde(default)]
-    centers: Vec<[f64; 3]>,
-    #[serde(default)]
-    diameters: Vec<f64>,
 }
 
 /// Mesh that is drawn for a body.
@@ -138,7 +112,7 @@ fn point(vertex: &[f64]) -> Vec3 {
     Vec3::from_fn(|axis, _| vertex.get(axis).copied().unwrap_or(0.0))
 }
 
-fn balls(centers: &[[f64; 3]], diameters: &[f64]) -> Result<TriangleMesh> {
+fn balls(centers: &[Vec<f64>], diameters: &[f64]) -> Result<TriangleMesh> {
     let mut all = TriangleMesh {
         vertices: Vec::new(),
         triangles: Vec::new(),

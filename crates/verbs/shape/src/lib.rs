@@ -16,4 +16,5 @@ pub mod dynamics;
 pub mod given_state;
 pub mod hard_bodies;
 mod last_frame;
+mod shape_words;
 pub mod shapes;
