@@ -19,6 +19,13 @@ fn length(text: &str) -> Result<f64, String> {
     Ok(length)
 }
 
+/// Parameters that are numbers, by their names.
+macro_rules! numbers {
+    ($parameters:ident: $($field:ident),*) => {
+        vec![$((stringify!($field), &mut $parameters.$field)),*]
+    };
+}
+
 #[derive(Debug, Clone, Subcommand)]
 pub enum Builder {
     Honeycomb(HoneycombArgs),
@@ -330,9 +337,10 @@ impl Builder {
                 foam.cross_kh = Some(value);
                 return Ok(());
             }
-            names.push("cross-kh");
+            names.push("cross-kh".into());
         }
-        for (parameter, place) in self.numbers() {
+        for (field, place) in self.numbers() {
+            let parameter = field.replace('_', "-");
             if parameter == name {
                 *place = value;
                 return Ok(());
@@ -345,63 +353,18 @@ impl Builder {
     /// The parameters that are numbers.
     fn numbers(&mut self) -> Vec<(&'static str, &mut f64)> {
         match self {
-            Builder::Honeycomb(a) => vec![
-                ("h", &mut a.h),
-                ("l", &mut a.l),
-                ("theta", &mut a.theta),
-                ("kh", &mut a.kh),
-                ("ks", &mut a.ks),
-            ],
-            Builder::RotatingSquares(a) | Builder::RotatingTriangles(a) => vec![
-                ("side", &mut a.side),
-                ("angle", &mut a.angle),
-                ("kh", &mut a.kh),
-                ("ks", &mut a.ks),
-            ],
-            Builder::Arrowhead(a) => vec![
-                ("width", &mut a.width),
-                ("outer", &mut a.outer),
-                ("inner", &mut a.inner),
-                ("kh", &mut a.kh),
-                ("ks", &mut a.ks),
-            ],
-            Builder::MissingRib(a) => vec![
-                ("arm", &mut a.arm),
-                ("rib", &mut a.rib),
-                ("angle", &mut a.angle),
-                ("kh", &mut a.kh),
-                ("ks", &mut a.ks),
-            ],
-            Builder::Stars(a) => vec![
-                ("side", &mut a.side),
-                ("rib", &mut a.rib),
-                ("angle", &mut a.angle),
-                ("kh", &mut a.kh),
-                ("ks", &mut a.ks),
-            ],
-            Builder::Chiral(a) => vec![
-                ("radius", &mut a.radius),
-                ("ligament", &mut a.ligament),
-                ("kh", &mut a.kh),
-                ("ks", &mut a.ks),
-            ],
-            Builder::RodLattice(a) => vec![
-                ("l", &mut a.l),
-                ("r0", &mut a.r0),
-                ("angle", &mut a.angle),
-                ("square-ks", &mut a.square_ks),
-                ("kh", &mut a.kh),
-                ("ks", &mut a.ks),
-            ],
-            Builder::Fcc(a) => vec![("edge", &mut a.edge), ("ks", &mut a.ks)],
-            Builder::Diamond(a) => {
-                vec![("edge", &mut a.edge), ("kh", &mut a.kh), ("ks", &mut a.ks)]
+            Builder::Honeycomb(a) => numbers!(a: h, l, theta, kh, ks),
+            Builder::RotatingSquares(a) | Builder::RotatingTriangles(a) => {
+                numbers!(a: side, angle, kh, ks)
             }
-            Builder::AlphaCristobalite(a) => vec![
-                ("scale", &mut a.scale),
-                ("kh", &mut a.kh),
-                ("ks", &mut a.ks),
-            ],
+            Builder::Arrowhead(a) => numbers!(a: width, outer, inner, kh, ks),
+            Builder::MissingRib(a) => numbers!(a: arm, rib, angle, kh, ks),
+            Builder::Stars(a) => numbers!(a: side, rib, angle, kh, ks),
+            Builder::Chiral(a) => numbers!(a: radius, ligament, kh, ks),
+            Builder::RodLattice(a) => numbers!(a: l, r0, angle, square_ks, kh, ks),
+            Builder::Fcc(a) => numbers!(a: edge, ks),
+            Builder::Diamond(a) => numbers!(a: edge, kh, ks),
+            Builder::AlphaCristobalite(a) => numbers!(a: scale, kh, ks),
             Builder::Tables => Vec::new(),
         }
     }
