@@ -14,7 +14,8 @@ from . import _protomer
 from ._call import call
 from ._errors import PartialError
 from ._objects import Folder, digest_of
-from ._result import Result, missing, new_axes
+from ._chart import new_axes
+from ._result import Result, missing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -47,10 +47,10 @@ def call(
 
             _cluster.share_out(words, client, parts, progress)
             progress = None
-        done, answer, warned = _protomer.call(words, progress)
+        done, answer, warned, figure = _protomer.call(words, progress)
     for line in warned:
         warnings.warn(line.removeprefix("warning: "), stacklevel=3)
-    answered = result({} if answer is None else answer, output)
+    answered = result({} if answer is None else answer, output, figure)
     if not done:
         failed = failures(answer)
         if failed:

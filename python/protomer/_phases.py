@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._result import Result, new_axes, numbers
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from ._chart import Axis, Chart, Curve
+from ._result import Result, numbers
 
 Numbers = NDArray[np.float64]
 
@@ -50,14 +48,11 @@ class HardBodySweepResult(Result):
         """Free volume of the first depletant as a part of the box, (P,); NaN without depletants."""
         return self._column("free_volume_fraction")
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the compressibility factor against the packing fraction, with its standard error."""
-        ax = new_axes(ax)
+    def _chart(self, quantity: str | None) -> Chart:
+        """The compressibility factor against the packing fraction, with its standard error."""
         error = np.nan_to_num(self.compressibility_factor_error)
-        ax.errorbar(self.packing_fraction, self.compressibility_factor, yerr=error, marker="o", capsize=3)
-        ax.set_xlabel("packing fraction")
-        ax.set_ylabel("compressibility factor")
-        return ax
+        curve = Curve(self.packing_fraction, self.compressibility_factor, error=error, marker="o")
+        return Chart(Axis("packing fraction"), Axis("compressibility factor"), [curve])
 
 
 class PhaseDiagramResult(Result):
@@ -100,20 +95,18 @@ class PhaseDiagramResult(Result):
         """Chemical potential of the bodies, (C,)."""
         return self._column("chemical_potential")
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Joins the packing fractions of coexisting phases, at the packing fraction of the reservoir."""
+    def _chart(self, quantity: str | None) -> Chart:
+        """Packing fractions of coexisting phases, joined, at the packing fraction of the reservoir."""
         heights = self.reservoir_packing_fraction
         if heights.size == 0 or np.any(np.isnan(heights)):
             raise ValueError("there is no coexistence with a reservoir to draw; call pm.phase_diagram with reservoir=")
-        ax = new_axes(ax)
+        curves = []
         colours: dict[str, str] = {}
         errors = np.nan_to_num(self.packing_fraction_errors)
         for tie, ends, error, height in zip(self._fields["coexistences"], self.packing_fractions, errors, heights):
             name = ", ".join(tie["phases"])
             label = None if name in colours else name
             colour = colours.setdefault(name, f"C{len(colours)}")
-            ax.errorbar(ends, [height, height], xerr=error, marker="o", capsize=3, color=colour, label=label)
-        ax.set_xlabel("packing fraction of the bodies")
-        ax.set_ylabel("packing fraction of the depletants in the reservoir")
-        ax.legend()
-        return ax
+            curves.append(Curve(ends, [height, height], label, error_x=error, marker="o", colour=colour))
+        x = Axis("packing fraction of the bodies")
+        return Chart(x, Axis("packing fraction of the depletants in the reservoir"), curves)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _protomer
+from ._chart import Chart, carried
 from ._errors import unknown
 
 if TYPE_CHECKING:
@@ -37,8 +38,11 @@ class Result:
     _KINDS: ClassVar[tuple[str, ...]] = ()
     """How `run.json` calls such directories."""
 
-    def __init__(self, fields: dict[str, Any] | list[Any], output: Path | str | None = None) -> None:
+    def __init__(
+        self, fields: dict[str, Any] | list[Any], output: Path | str | None = None, figure: dict[str, Any] | None = None
+    ) -> None:
         self._fields: dict[str, Any] = fields if isinstance(fields, dict) else {"items": fields}
+        self._figure = figure
         # Absolute: the working directory may change.
         self._output = None if output is None else Path(output).absolute()
 
@@ -170,6 +174,44 @@ class Result:
             unknown("list of objects", rows, lists)
         return pandas.DataFrame([_flat(row) for row in lists[rows]])
 
+    def plot(self, ax: Axes | None = None, *, quantity: str | None = None, kind: str | None = None) -> Axes:
+        """Draws a quantity of the result.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; new ones if left out
+        quantity
+            What to draw, if there is a choice; the most telling one if left out. The guide to Python lists the choices, and so does
+            the error for another name
+        kind
+            Another name for `quantity`
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such quantity; also a `KeyError`
+        ValueError
+            If the result has nothing to draw
+        ImportError
+            Without matplotlib
+
+        Examples
+        --------
+        >>> pm.SweepResult.read("stability").plot(quantity="native_contacts")  # doctest: +SKIP
+        """
+        return self._chart(kind if quantity is None else quantity).draw(ax)
+
+    def _chart(self, quantity: str | None) -> Chart:
+        """What `plot` draws: a panel of the figure that the answer carries, by its label."""
+        if self._figure is None:
+            raise ValueError(f"this {type(self).__name__} has no figure; only the answer of some verbs carries one")
+        return carried(self._figure, quantity)
+
     def _file(self, name: str) -> Path:
         """A file of the directory that the verb wrote into."""
         if self._output is None:
@@ -199,18 +241,6 @@ def missing(message: str, path: Path | str) -> _protomer.MissingFileError:
     error = _protomer.MissingFileError(message)
     error.path = str(path)
     return error
-
-
-def new_axes(ax: Axes | None, **settings: Any) -> Axes:
-    """The given axes, or those of a new figure."""
-    if ax is not None:
-        return ax
-    try:
-        import matplotlib.pyplot as plt
-    except ImportError as error:
-        raise ImportError("plots need matplotlib: pip install './python[plot]' from the root of the project") from error
-    axes: Axes = plt.subplots(**settings)[1]
-    return axes
 
 
 def numbers(values: list[Any]) -> NDArray[np.float64]:

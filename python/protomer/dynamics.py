@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _displacements
 from ._errors import unknown
 from ._frames import read_frames, vertices_of
-from ._result import new_axes
+from ._chart import new_axes
 from ._rotations import between, invariants, symmetric_character, turned_vectors
 from .structure import rotations_of
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._frames import read_frames, vertices_of
-from ._result import new_axes
+from ._chart import new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -29,7 +29,7 @@ mod _protomer {
     #[pymodule_export]
     use crate::simulation::LiveSimulation;
     #[pymodule_export]
-    use crate::verbs::{call, main, take_apart, verbs};
+    use crate::verbs::{call, columns, main, take_apart, verbs};
     use pyo3::prelude::*;
 
     #[pymodule_init]

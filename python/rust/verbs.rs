@@ -2,6 +2,7 @@
 
 use crate::errors::{StoppedError, exception};
 use protomer_cli::{Command, Host, Outcome, ProgressListener, Reply};
+use protomer_protein_verbs::stability::run::Column;
 use protomer_results::Interrupt;
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyRuntimeError;
@@ -21,18 +22,17 @@ type Call = JoinHandle<anyhow::Result<Answer>>;
 /// Units done, total units, name of a unit.
 type Latest = Arc<Mutex<Option<(u64, u64, String)>>>;
 
-/// Runs `protomer WORDS`; returns whether everything was done, the answer as Python values (`None`
-/// if there is none), and the warnings.
+/// Whether everything was done, the answer as Python values (`None` if there is none), the warnings, and
+/// the figure of the answer (`None` if there is none).
+type Called = (bool, Py<PyAny>, Vec<String>, Py<PyAny>);
+
+/// Runs `protomer WORDS`.
 ///
 /// `progress(done, total, unit)` is called in the calling thread. Ctrl-C stops the work at its next
 /// step and raises KeyboardInterrupt; the same call continues it.
 #[pyfunction]
 #[pyo3(signature = (words, progress=None))]
-pub fn call(
-    py: Python<'_>,
-    words: Vec<String>,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<(bool, Py<PyAny>, Vec<String>)> {
+pub fn call(py: Python<'_>, words: Vec<String>, progress: Option<Py<PyAny>>) -> PyResult<Called> {
     let interrupt = Interrupt::default();
     let latest = Latest::default();
     let host = Host {
@@ -61,9 +61,11 @@ pub fn call(
             outcome,
             value,
             warnings,
+            figure,
         }) => {
             let is_done = outcome == Outcome::Done;
-            Ok((is_done, python_value(py, &value)?, warnings))
+            let figure = python_value(py, &figure)?;
+            Ok((is_done, python_value(py, &value)?, warnings, figure))
         }
         Err(error) => Err(exception(&error)),
     }
@@ -74,6 +76,7 @@ struct Answer {
     outcome: Outcome,
     value: Value,
     warnings: Vec<String>,
+    figure: Value,
 }
 
 impl Answer {
@@ -82,6 +85,7 @@ impl Answer {
             outcome: reply.outcome(),
             value: reply.value()?.unwrap_or_default(),
             warnings: reply.warnings().into_iter().map(str::to_owned).collect(),
+            figure: reply.figure()?.unwrap_or_default(),
         })
     }
 }
@@ -183,4 +187,11 @@ pub fn verbs(py: Python<'_>) -> PyResult<Py<PyAny>> {
     let groups = serde_json::to_value(protomer_cli::python_functions())
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     python_value(py, &groups)
+}
+
+/// The columns of the log of a simulation, with their names in the table of a sweep.
+#[pyfunction]
+pub fn columns(py: Python<'_>) -> PyResult<Py<PyAny>> {
+    let columns: Vec<Value> = Column::all().into_iter().map(Column::description).collect();
+    python_value(py, &Value::Array(columns))
 }

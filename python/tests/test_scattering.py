@@ -75,5 +75,5 @@ def test_plots(sweep):
     assert axes.get_yscale() == "log" and len(axes.containers) == 2
     assert seen.plot(quantity="structure_factor").get_ylabel() == "S(q) of the centres"
     assert seen.plot(quantity="clusters").get_xlabel() == "bodies in a cluster"
-    with pytest.raises(KeyError, match="there are structure_factor"):
+    with pytest.raises(KeyError, match="there are intensity, structure_factor"):
         seen.plot(quantity="speed")

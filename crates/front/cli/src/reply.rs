@@ -197,6 +197,15 @@ impl Reply {
         Ok(value.transpose()?)
     }
 
+    /// The figure of the answer as a JSON value; `None` if there is nothing to draw.
+    ///
+    /// # Errors
+    /// If the value cannot be represented in JSON.
+    pub fn figure(&self) -> Result<Option<Value>> {
+        let figure = self.answer.as_ref().and_then(|answer| answer.figure());
+        Ok(figure.map(serde_json::to_value).transpose()?)
+    }
+
     /// The lines that warn of something that the answer does not contain, each once.
     pub fn warnings(&self) -> Vec<&str> {
         let mut warnings = Vec::new();
