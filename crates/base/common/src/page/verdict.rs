@@ -19,8 +19,9 @@ pub struct Verdict {
 }
 
 /// Beginnings of reasons that only repeat the answer.
-const REPEATED: [&str; 2] = [
+const REPEATED: [&str; 3] = [
     "not equilibrated: ",
+    "no equilibrium: ",
     "whether this is an equilibrium is not known: ",
 ];
 

@@ -27,7 +27,7 @@ const MOST_ITERATIONS: usize = 200;
 const TOLERANCE: f64 = 1e-6;
 /// Share of Nδ-H among the neutral forms of histidine in water (Tanokura, Biochim. Biophys. Acta 742,
 /// 576 (1983): 0.2 and 0.8).
-const DELTA_SHARE: f64 = 0.2;
+pub const DELTA_SHARE: f64 = 0.2;
 
 /// A system of titratable groups, energies in kT.
 ///

@@ -26,6 +26,6 @@ mod model;
 mod protonation;
 
 pub use energies::{GroupEnergies, group_energies, solve_settings};
-pub use equilibrium::{EXACT_NEIGHBOURS, TitratingGroups};
+pub use equilibrium::{DELTA_SHARE, EXACT_NEIGHBOURS, TitratingGroups};
 pub use model::TitrationModel;
 pub use protonation::SolvedProtonation;

@@ -5,15 +5,13 @@ use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_body::chemistry::titration::BodyTitration;
+use protomer_field::titration::DELTA_SHARE;
 use protomer_kernel::Vec3;
 use protomer_kernel::setting::Choices;
 use protomer_mc::titratable::{Tautomers, TitratableCharges, TitratableGroup};
 use std::f64::consts::LN_10;
 use std::sync::Arc;
 
-/// Share of Nδ-H among the neutral forms of histidine in water (Tanokura, Biochim. Biophys. Acta 742, 576 (1983)), as
-/// in the titration that the energies are from.
-const DELTA_SHARE: f64 = 0.2;
 /// Difference of two salt concentrations, as a part of one, that counts as none.
 const SAME_SALT: f64 = 0.01;
 /// Difference of two temperatures that counts as none, K.
