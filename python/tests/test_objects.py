@@ -173,7 +173,7 @@ def test_unknown_names_say_which_exist(finished):
         sweep.trajectory()
     with pytest.raises(KeyError, match="no replica 2; there are 0, 1"):
         sweep.trajectory(salt_molar=0.3, replica=2)
-    with pytest.raises(KeyError, match="no field 'nothing'; there are version"):
+    with pytest.raises(KeyError, match="no field 'nothing'; there are equilibrium, version"):
         sweep["nothing"]
     with pytest.raises(KeyError, match="no column of log.csv 'r_g'; there are sweep, r_g_angstrom"):
         sweep.log(salt_molar=0.3)["r_g"]
