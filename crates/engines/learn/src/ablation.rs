@@ -1,4 +1,7 @@
 //! What each channel brings: every subset of the channels is trained with the same seeds.
+//!
+//! Channels are chosen by the validation part, whose scores each training notes; the test part serves for the final
+//! figures only. Intervals of a mean over n seeds are ± t(n - 1) standard errors, with Student's t at 97.5 %.
 
 use crate::Result;
 use crate::error::refuse;
@@ -8,6 +11,13 @@ use std::cmp::Reverse;
 
 /// Largest number of channels: more have too many subsets.
 const MOST_CHANNELS: usize = 6;
+/// Student's t at 97.5 % for 1, 2, ... degrees of freedom.
+const STUDENT_T: [f64; 15] = [
+    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
+    2.145, 2.131,
+];
+/// Student's t at 97.5 % for more degrees of freedom: at most 0.16 above the exact value.
+const STUDENT_T_BEYOND: f64 = 2.12;
 
 /// The trainings of an ablation: channels and seed of each, seed after seed.
 ///
@@ -71,6 +81,12 @@ pub struct AblationRun {
     pub majority_accuracy: f64,
     /// Nats gained over the prior on the test part.
     pub nats_gained_over_prior: f64,
+    /// Loss of the validation part at the epoch that was kept, nats.
+    #[serde(default)]
+    pub validation_loss_nats: Option<f64>,
+    /// Balanced accuracy of the validation part at that epoch.
+    #[serde(default)]
+    pub validation_balanced_accuracy: Option<f64>,
 }
 
 /// A mean over seeds.
@@ -81,14 +97,24 @@ pub struct Mean {
     pub mean: f64,
     /// Standard error of the mean from the scatter over seeds; `None` for a single seed.
     pub standard_error: Option<f64>,
+    /// 95 % interval of the mean; `None` for a single seed.
+    #[serde(default)]
+    pub interval_95: Option<[f64; 2]>,
 }
 
 impl Mean {
     fn of(values: &[f64]) -> Self {
         let moments = RunningMoments::in_two_passes(values);
+        let mean = moments.mean();
+        let standard_error = (values.len() > 1).then(|| moments.independent_standard_error());
+        let degrees_of_freedom = values.len().saturating_sub(1);
+        let factor = *STUDENT_T
+            .get(degrees_of_freedom.saturating_sub(1))
+            .unwrap_or(&STUDENT_T_BEYOND);
         Self {
-            mean: moments.mean(),
-            standard_error: (values.len() > 1).then(|| moments.independent_standard_error()),
+            mean,
+            standard_error,
+            interval_95: standard_error.map(|error| [mean - factor * error, mean + factor * error]),
         }
     }
 }
@@ -107,6 +133,10 @@ pub struct AblationRow {
     pub balanced_accuracy_less_all: Mean,
     /// Nats gained less those of all channels, seed by seed.
     pub nats_less_all: Mean,
+    /// Loss of the validation part less that with all channels, nats, seed by seed: positive where leaving channels out
+    /// costs something. `None` for trainings of earlier versions, which did not note it.
+    #[serde(default)]
+    pub validation_loss_more_than_all: Option<Mean>,
 }
 
 /// The table of an ablation.
@@ -134,11 +164,14 @@ impl Ablation {
     ///     accuracy: balanced_accuracy,
     ///     majority_accuracy: 0.5,
     ///     nats_gained_over_prior: 0.0,
+    ///     validation_loss_nats: Some(1.0 - balanced_accuracy),
+    ///     validation_balanced_accuracy: None,
     /// };
     /// let runs = vec![run(&["shape"], 0.5), run(&["shape", "potential"], 0.75)];
     /// let table = Ablation::of(runs)?;
     /// assert_eq!(table.rows[1].channels, ["shape"]);
     /// assert_eq!(table.rows[1].balanced_accuracy_less_all.mean, -0.25);
+    /// assert_eq!(table.rows[1].validation_loss_more_than_all.unwrap().mean, 0.25);
     /// # Ok::<(), protomer_learn::LearnError>(())
     /// ```
     ///
@@ -170,11 +203,14 @@ impl Ablation {
 struct Values {
     balanced_accuracy: Vec<f64>,
     nats: Vec<f64>,
+    /// `None` if a seed lacks it.
+    validation_loss: Option<Vec<f64>>,
 }
 
 impl Values {
     fn of(runs: &[AblationRun], channels: &[String], seeds: &[u64]) -> Result<Self> {
         let (mut balanced_accuracy, mut nats) = (Vec::new(), Vec::new());
+        let mut validation_loss = Vec::new();
         for seed in seeds {
             let is_wanted = |run: &&AblationRun| run.seed == *seed && run.channels == channels;
             let Some(run) = runs.iter().find(is_wanted) else {
@@ -183,21 +219,30 @@ impl Values {
             };
             balanced_accuracy.push(run.balanced_accuracy);
             nats.push(run.nats_gained_over_prior);
+            validation_loss.extend(run.validation_loss_nats);
         }
+        let is_complete = validation_loss.len() == seeds.len();
         Ok(Self {
             balanced_accuracy,
             nats,
+            validation_loss: is_complete.then_some(validation_loss),
         })
     }
 
     fn row(&self, channels: &[String], all: &Self) -> AblationRow {
         let accuracy_less_all = differences(&self.balanced_accuracy, &all.balanced_accuracy);
+        let losses = self
+            .validation_loss
+            .as_ref()
+            .zip(all.validation_loss.as_ref());
         AblationRow {
             channels: channels.to_vec(),
             balanced_accuracy: Mean::of(&self.balanced_accuracy),
             nats_gained_over_prior: Mean::of(&self.nats),
             balanced_accuracy_less_all: Mean::of(&accuracy_less_all),
             nats_less_all: Mean::of(&differences(&self.nats, &all.nats)),
+            validation_loss_more_than_all: losses
+                .map(|(own, all)| Mean::of(&differences(own, all))),
         }
     }
 }
@@ -222,6 +267,8 @@ mod tests {
             accuracy,
             majority_accuracy: 0.5,
             nats_gained_over_prior: accuracy - 0.5,
+            validation_loss_nats: Some(1.0 - accuracy),
+            validation_balanced_accuracy: Some(accuracy),
         }
     }
 
@@ -240,6 +287,7 @@ mod tests {
         let nothing = Mean {
             mean: 0.0,
             standard_error: Some(0.0),
+            interval_95: Some([0.0, 0.0]),
         };
         assert_eq!(table.rows[0].balanced_accuracy_less_all, nothing);
         let shape = &table.rows[1];
@@ -248,12 +296,23 @@ mod tests {
         let difference = shape.balanced_accuracy_less_all;
         assert!((difference.mean + 0.35).abs() < 1e-12);
         assert!((difference.standard_error.unwrap() - 0.05).abs() < 1e-12);
+        // One degree of freedom: ± 12.706 · 0.05.
+        let costs = shape.validation_loss_more_than_all.unwrap();
+        let [low, high] = costs.interval_95.unwrap();
+        assert!((low - (0.35 - 0.6353)).abs() < 1e-12 && (high - (0.35 + 0.6353)).abs() < 1e-12);
     }
 
     #[test]
     fn a_single_seed_has_no_error_and_a_missing_one_is_named() {
         let one = Ablation::of(vec![run(&["shape"], 1, 0.7)]).unwrap();
         assert_eq!(one.rows[0].balanced_accuracy.standard_error, None);
+        assert_eq!(one.rows[0].balanced_accuracy.interval_95, None);
+        let earlier = AblationRun {
+            validation_loss_nats: None,
+            ..run(&["shape"], 1, 0.7)
+        };
+        let table = Ablation::of(vec![earlier]).unwrap();
+        assert_eq!(table.rows[0].validation_loss_more_than_all, None);
         let runs = vec![run(&["shape"], 1, 0.7), run(&["potential"], 2, 0.7)];
         let error = Ablation::of(runs).unwrap_err().to_string();
         assert!(error.contains("shape lack the seed 2"), "{error}");

@@ -2,12 +2,13 @@
 
 use super::ablation;
 use super::control_report::{ControlReport, ExperimentReport};
+use super::history::Validation;
 use super::metrics::Metrics;
 use super::run::{train_holding, train_in};
 use super::settings::{Source, TrainSettings};
 use anyhow::{Result, bail};
 use protomer_learn::Device;
-use protomer_learn::ablation::{Ablation, plan};
+use protomer_learn::ablation::{Ablation, AblationRun, plan};
 use protomer_learn::controls::{Control, Experiment, Form};
 use protomer_learn::sample::{InMemory, SampleSource};
 use protomer_results::{End, Execution, ResultsDirectory, extend};
@@ -114,13 +115,16 @@ fn ablate(
     device: &Device,
     execution: &Execution,
 ) -> Result<End<Metrics>> {
-    let mut runs = vec![metrics.ablation_run(job.settings.training.seed)];
+    let run = |metrics: &Metrics, seed: u64, folder: &Path| -> Result<AblationRun> {
+        Ok(metrics.ablation_run(seed, Validation::read(folder, metrics.best_epoch)?))
+    };
+    let mut runs = vec![run(&metrics, job.settings.training.seed, path)?];
     for (folder, settings) in trainings {
         let folder = path.join(folder);
         let End::Finished(of_subset) = train_in(settings, set, &folder, device, execution)? else {
             return Ok(End::Stopped);
         };
-        runs.push(of_subset.ablation_run(settings.training.seed));
+        runs.push(run(&of_subset, settings.training.seed, &folder)?);
     }
     let ablation = Ablation::of(runs)?;
     ablation::write_csv(&ablation, path)?;

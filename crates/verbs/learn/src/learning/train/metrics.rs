@@ -1,6 +1,7 @@
 //! `metrics.json`: how well a network predicts the test part, compared with predictions without a
 //! network.
 
+use super::history::Validation;
 use super::prepared::Numbers;
 use anyhow::{Context, Result};
 use protomer_io::atomic::{write_atomically, write_bytes};
@@ -433,7 +434,7 @@ impl BaselineScores {
 
 impl Metrics {
     /// The contribution of a training with this seed to an ablation.
-    pub(super) fn ablation_run(&self, seed: u64) -> AblationRun {
+    pub(super) fn ablation_run(&self, seed: u64, validation: Validation) -> AblationRun {
         AblationRun {
             channels: self.channels.clone(),
             seed,
@@ -441,6 +442,8 @@ impl Metrics {
             accuracy: self.accuracy,
             majority_accuracy: self.majority_accuracy,
             nats_gained_over_prior: self.nats_gained_over_prior,
+            validation_loss_nats: validation.loss_nats,
+            validation_balanced_accuracy: validation.balanced_accuracy,
         }
     }
 

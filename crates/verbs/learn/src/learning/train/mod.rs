@@ -16,6 +16,7 @@
 //! | `weights` | the trained network that a training starts from |
 //! | `trained_on` | which structures a network has seen |
 //! | `job` | a training with its ablation; a control with its experiments |
+//! | `history` | scores of the validation part at an epoch |
 //! | `metrics` | scores compared with baselines |
 //! | `summary` | the scores as text |
 //! | `told` | what the text and the page both say: rows of scores, joined labels, the permutation test |
@@ -25,6 +26,7 @@ mod ablation;
 mod control;
 mod control_report;
 mod figure;
+mod history;
 mod job;
 mod metrics;
 mod prepared;

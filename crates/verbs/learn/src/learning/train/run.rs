@@ -1,6 +1,7 @@
 //! One training in its directory: start or continue, save regularly, write the results.
 
 use super::figure::{learning_curve, predicted_numbers};
+use super::history::HISTORY;
 use super::metrics::{Metrics, Predictions};
 use super::prepared::{Numbers, Prepared};
 use super::settings::{Source, TrainSettings};
@@ -34,7 +35,6 @@ use std::path::{Path, PathBuf};
 pub const MODEL: &str = "model.safetensors";
 /// The settings of the training.
 pub const SETTINGS: &str = "settings.toml";
-const HISTORY: &str = "history.csv";
 const PREDICTIONS: &str = "predictions.csv";
 const CURVE: &str = "learning_curve.svg";
 /// Predicted against true numbers, if it is a number that is predicted.
