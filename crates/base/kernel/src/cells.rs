@@ -84,6 +84,16 @@ impl CellList {
 
     /// Writes the indices of every point that may lie in range of `position` into `candidates`,
     /// ascending. They do not depend on the history of moves.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3, cells::CellList};
+    /// let places: Vec<Vec3> = (0..100).map(|i| Vec3::new(f64::from(i), 0.0, 0.0)).collect();
+    /// let cells = CellList::new(&Boundary::Open, 5.0, &places);
+    /// let mut near = vec![7; 3];
+    /// cells.candidates(&places[50], &mut near);
+    /// assert!(near.is_sorted() && (45..=55).all(|index| near.contains(&index)));
+    /// assert!(near.len() < 20, "most of the hundred need no look");
+    /// ```
     pub fn candidates(&self, position: &Vec3, candidates: &mut Vec<usize>) {
         candidates.clear();
         match &self.grid {

@@ -60,6 +60,13 @@ impl<const N: usize> Chebyshev<N> {
 
     /// Coefficients of T_i(x) T_j(y) T_k(z) from values at N³ points, one axis after the other; x runs
     /// fastest in both.
+    ///
+    /// ```
+    /// use protomer_kernel::chebyshev::Chebyshev;
+    /// let series = Chebyshev::<3>::default().series(&[5.0; 27]);
+    /// assert!((series[0] - 5.0).abs() < 1e-14, "a constant has the first coefficient alone");
+    /// assert!(series[1..].iter().all(|coefficient| coefficient.abs() < 1e-14));
+    /// ```
     pub fn series(&self, values: &[f64]) -> Vec<f64> {
         let mut from = values.to_vec();
         for stride in [1, N, N * N] {
@@ -94,6 +101,13 @@ pub struct Interpolation<const N: usize> {
 
 impl<const N: usize> Interpolation<N> {
     /// The points of the interval between two numbers, which may be one.
+    ///
+    /// ```
+    /// use protomer_kernel::chebyshev::Interpolation;
+    /// let points = Interpolation::<5>::new(2.0, 4.0).points;
+    /// assert!((points[2] - 3.0).abs() < 1e-14, "the middle");
+    /// assert!(points.is_sorted() && points[0] > 2.0 && points[4] < 4.0);
+    /// ```
     pub fn new(low: f64, high: f64) -> Self {
         let (middle, half) = (0.5 * (low + high), (0.5 * (high - low)).max(SHORTEST));
         let (mut points, mut weights) = ([0.0; N], [0.0; N]);

@@ -19,6 +19,11 @@ pub struct DisjointSets {
 
 impl DisjointSets {
     /// Sets of one number each.
+    ///
+    /// ```
+    /// use protomer_kernel::disjoint_sets::DisjointSets;
+    /// assert_eq!(DisjointSets::new(3).into_roots(), [0, 1, 2], "each number is its own set");
+    /// ```
     pub fn new(count: usize) -> Self {
         Self {
             parents: (0..count as u32).collect(),
@@ -26,6 +31,13 @@ impl DisjointSets {
     }
 
     /// The smallest member of the set of a number.
+    ///
+    /// ```
+    /// use protomer_kernel::disjoint_sets::DisjointSets;
+    /// let mut sets = DisjointSets::new(4);
+    /// sets.join(3, 2);
+    /// assert_eq!((sets.root(3), sets.root(2), sets.root(1)), (2, 2, 1));
+    /// ```
     #[inline]
     pub fn root(&mut self, mut number: u32) -> u32 {
         while self.parents[number as usize] != number {
@@ -36,6 +48,16 @@ impl DisjointSets {
     }
 
     /// Joins the sets of two numbers.
+    ///
+    /// ```
+    /// use protomer_kernel::disjoint_sets::DisjointSets;
+    /// let mut sets = DisjointSets::new(4);
+    /// sets.join(0, 1);
+    /// sets.join(2, 3);
+    /// assert_ne!(sets.root(1), sets.root(3));
+    /// sets.join(1, 3);
+    /// assert_eq!(sets.root(2), 0, "the sets of both numbers are one");
+    /// ```
     #[inline]
     pub fn join(&mut self, first: u32, second: u32) {
         let (a, b) = (self.root(first), self.root(second));

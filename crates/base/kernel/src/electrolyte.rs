@@ -164,6 +164,13 @@ impl Electrolyte {
     }
 
     /// Absolute temperature, K.
+    ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let cold = Electrolyte::in_water(278.15, 0.1)?;
+    /// assert_eq!(cold.temperature_kelvin(), 278.15);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn temperature_kelvin(&self) -> f64 {
         self.temperature_kelvin
     }
@@ -182,11 +189,25 @@ impl Electrolyte {
     }
 
     /// Relative permittivity of the solvent.
+    ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let [cold, warm] = [278.15, 310.15].map(|kelvin| Electrolyte::in_water(kelvin, 0.1));
+    /// assert!(cold?.relative_permittivity() > warm?.relative_permittivity(), "heat disorders water");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn relative_permittivity(&self) -> f64 {
         self.relative_permittivity
     }
 
     /// Bjerrum length λ_B in Å: the distance at which two unit charges interact with 1 kT.
+    ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let water = Electrolyte::in_water(298.15, 0.1)?;
+    /// assert!((water.bjerrum_length_angstrom() - 7.15).abs() < 0.02);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn bjerrum_length_angstrom(&self) -> f64 {
         self.bjerrum_length_angstrom
     }

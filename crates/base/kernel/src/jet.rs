@@ -107,12 +107,25 @@ impl<const N: usize> Jet<N> {
     }
 
     /// ln(1 + f), accurate for small f.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let small = Jet::<1>::variable(1e-18, 0);
+    /// assert_eq!(small.ln_1p().value, 1e-18, "ln(1.0 + 1e-18) would be zero");
+    /// assert_eq!((small.ln_1p().first(), small.ln_1p().second()), (1.0, -1.0));
+    /// ```
     pub fn ln_1p(&self) -> Self {
         let inverse = (1.0 + self.value).recip();
         self.chain(self.value.ln_1p(), inverse, -inverse * inverse)
     }
 
     /// exp(f) - 1, accurate for small f.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let small = Jet::<1>::variable(1e-18, 0).exp_m1();
+    /// assert_eq!((small.value, small.first(), small.second()), (1e-18, 1.0, 1.0));
+    /// ```
     pub fn exp_m1(&self) -> Self {
         let exponential = self.value.exp();
         self.chain(self.value.exp_m1(), exponential, exponential)
@@ -197,11 +210,23 @@ impl<const N: usize> Jet<N> {
 
 impl Jet {
     /// df/dx over the only variable.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let x = Jet::<1>::variable(3.0, 0);
+    /// assert_eq!((x * x * x).first(), 27.0, "3 x²");
+    /// ```
     pub fn first(&self) -> f64 {
         self.gradient[0]
     }
 
     /// d²f/dx² over the only variable.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let x = Jet::<1>::variable(3.0, 0);
+    /// assert_eq!((x * x * x).second(), 18.0, "6 x");
+    /// ```
     pub fn second(&self) -> f64 {
         self.hessian[0][0]
     }

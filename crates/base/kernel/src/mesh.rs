@@ -130,6 +130,14 @@ impl TriangleMesh {
 
     /// Enclosed volume by the divergence theorem, V = Σ a·(b × c) / 6, Å³; positive for an outward
     /// mesh.
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// let mut cube = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(2.0));
+    /// assert!((cube.volume_angstrom3() - 8.0).abs() < 1e-12);
+    /// cube.triangles.iter_mut().for_each(|triangle| triangle.reverse());
+    /// assert!((cube.volume_angstrom3() + 8.0).abs() < 1e-12, "its faces now look inwards");
+    /// ```
     pub fn volume_angstrom3(&self) -> f64 {
         let origin = self.vertices.first().copied().unwrap_or_default();
         let volume = |corners: [Vec3; 3]| signed_tetrahedron(&corners, &origin);

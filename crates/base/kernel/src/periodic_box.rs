@@ -175,12 +175,28 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// Extents Lx, Ly, Lz of the rectangular box that is sheared. Without tilt they are the edges.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let sheared = PeriodicBox::with_angles(&[2.0, 2.0], &[30.0])?;
+    /// let [width, height] = *sheared.lengths();
+    /// assert!((width - 2.0).abs() < 1e-12 && (height - 1.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     #[inline]
     pub fn lengths(&self) -> &[f64; D] {
         &self.lengths
     }
 
     /// Tilt factors xy, xz, yz; in a plane xy.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let sheared = PeriodicBox::with_angles(&[2.0, 2.0], &[45.0])?;
+    /// assert!((sheared.tilt_factors()[0] - 1.0).abs() < 1e-12);
+    /// assert_eq!(PeriodicBox::rectangular([1.0, 2.0, 3.0])?.tilt_factors(), [0.0; 3]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn tilt_factors(&self) -> Vec<f64> {
         let above = (0..D).flat_map(|row| (row + 1..D).map(move |column| (row, column)));
         above.map(|(row, column)| self.tilts[row][column]).collect()
@@ -200,6 +216,15 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// The edge vector of this number.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let sheared = PeriodicBox::with_angles(&[2.0, 2.0], &[60.0])?;
+    /// assert_eq!(sheared.edge(0), [2.0, 0.0], "the first edge lies along x");
+    /// let [x, y] = sheared.edge(1);
+    /// assert!((x - 1.0).abs() < 1e-12 && (y - 3.0_f64.sqrt()).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn edge(&self, number: usize) -> [f64; D] {
         let mut edge = self.tilts.map(|row| row[number] * self.lengths[number]);
         edge[number] = self.lengths[number];
@@ -218,6 +243,14 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// Volume; in a plane, area.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// assert_eq!(PeriodicBox::rectangular([1.0, 2.0, 3.0])?.volume(), 6.0);
+    /// let rhombus = PeriodicBox::with_angles(&[2.0, 2.0], &[30.0])?;
+    /// assert!((rhombus.volume() - 2.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn volume(&self) -> f64 {
         self.lengths.iter().product()
     }

@@ -62,6 +62,13 @@ impl Pose {
     }
 
     /// The image of a point, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let half_turn_about_z = Pose::from_wxyz(Vec3::new(5.0, 0.0, 0.0), [0.0, 0.0, 0.0, 1.0]);
+    /// let image = half_turn_about_z.transform_point(&Vec3::x());
+    /// assert!((image - Vec3::new(4.0, 0.0, 0.0)).norm() < 1e-12, "turned first, then moved");
+    /// ```
     pub fn transform_point(&self, point: &Vec3) -> Vec3 {
         self.rotation * point + self.position
     }
@@ -168,6 +175,15 @@ impl RelativePose {
     }
 
     /// A point of the second body in the frame of the first, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, RelativePose, Vec3};
+    /// let half_turn_about_z = Pose::from_wxyz(Vec3::zeros(), [0.0, 0.0, 0.0, 1.0]);
+    /// let displacement = Vec3::new(3.0, 0.0, 0.0);
+    /// let relative = RelativePose::new(&Pose::identity(), &half_turn_about_z, &displacement);
+    /// let image = relative.transform_point(&Vec3::x());
+    /// assert!((image - Vec3::new(2.0, 0.0, 0.0)).norm() < 1e-12);
+    /// ```
     pub fn transform_point(&self, point: &Vec3) -> Vec3 {
         self.rotation * point + self.translation
     }

@@ -107,6 +107,13 @@ impl Yukawa {
     }
 
     /// Whether the potential has a cut-off.
+    ///
+    /// ```
+    /// use protomer_kernel::potential::Yukawa;
+    /// assert!(Yukawa::new(7.0, 0.1, 50.0)?.is_cut());
+    /// assert!(!Yukawa::new(7.0, 0.1, f64::INFINITY)?.is_cut());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn is_cut(&self) -> bool {
         self.cutoff_angstrom.is_finite()
     }

@@ -3,6 +3,13 @@
 use crate::Number;
 
 /// Kinds of values.
+///
+/// ```
+/// use protomer_kernel::setting::{Kind, Setting};
+/// assert!(matches!(bool::KIND, Kind::Switch(true)));
+/// assert!(matches!(Vec::<f64>::KIND, Kind::Reals));
+/// assert!(matches!(Option::<f64>::KIND, Kind::Real), "what may be left out is of the same kind");
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
     /// A number.
@@ -24,6 +31,21 @@ pub enum Kind {
 }
 
 /// A name that a setting may have, with its description.
+///
+/// ```
+/// use protomer_kernel::setting::Choices;
+/// protomer_kernel::choices! {
+///     /// Ensembles.
+///     pub enum Ensemble {
+///         /// Constant volume.
+///         Volume = "nvt",
+///         /// Constant pressure.
+///         Pressure = "npt",
+///     }
+/// }
+/// let names: Vec<&str> = Ensemble::CHOICES.iter().map(|choice| choice.name).collect();
+/// assert_eq!(names, ["nvt", "npt"]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
     /// The word in files and on the command line.
@@ -102,6 +124,21 @@ impl Setting for Vec<f64> {
 }
 
 /// A type with one value for each name. [`choices!`](crate::choices) implements it.
+///
+/// ```
+/// use protomer_kernel::setting::Choices;
+/// protomer_kernel::choices! {
+///     /// Sides.
+///     pub enum Side {
+///         /// The left one.
+///         Left = "left",
+///         /// The right one.
+///         Right = "right",
+///     }
+/// }
+/// assert_eq!(Side::from_name("right").map(Side::name), Some("right"));
+/// assert!(Side::from_name("Right").is_none(), "names are taken letter by letter");
+/// ```
 pub trait Choices: Copy + 'static {
     /// The names in the order of declaration.
     const CHOICES: &'static [Choice];

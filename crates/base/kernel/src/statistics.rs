@@ -324,6 +324,14 @@ impl RunningMoments {
     }
 
     /// Adds a value.
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let mut moments = RunningMoments::default();
+    /// moments.push(2.0);
+    /// moments.push(4.0);
+    /// assert_eq!((moments.count(), moments.mean(), moments.variance()), (2, 3.0, 2.0));
+    /// ```
     pub fn push(&mut self, value: f64) {
         self.count += 1;
         let before = value - self.mean;
@@ -352,11 +360,24 @@ impl RunningMoments {
     }
 
     /// The number of values.
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let moments: RunningMoments = [5.0, 5.0, 5.0].into_iter().collect();
+    /// assert_eq!(moments.count(), 3, "equal values count each");
+    /// ```
     pub fn count(&self) -> u64 {
         self.count
     }
 
     /// Mean of the values; NaN without any.
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let moments: RunningMoments = [1.0, 2.0, 6.0].into_iter().collect();
+    /// assert_eq!(moments.mean(), 3.0);
+    /// assert!(RunningMoments::default().mean().is_nan(), "there is no value yet");
+    /// ```
     pub fn mean(&self) -> f64 {
         if self.count == 0 { f64::NAN } else { self.mean }
     }

@@ -56,6 +56,16 @@ impl CarriedBound {
 
     /// Remainder of the bound with the bodies at other poses, Å, given their radii about their
     /// origins, Å. While it is positive the bodies cannot overlap.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3, overlap::CarriedBound};
+    /// let (first, displacement) = (Pose::identity(), Vec3::new(30.0, 0.0, 0.0));
+    /// let carried = CarriedBound::new(2.0, &first, &first, &displacement);
+    /// let rotation = Pose::from_wxyz(Vec3::zeros(), [1.0, 0.0, 0.0, 0.02]);
+    /// let [small, large] = [5.0, 10.0]
+    ///     .map(|radius| carried.remaining_angstrom(&first, &rotation, &displacement, [0.0, radius]));
+    /// assert!(2.0 > small && small > large, "a turn moves the surface of a large body farther");
+    /// ```
     pub fn remaining_angstrom(
         &self,
         first: &Pose,

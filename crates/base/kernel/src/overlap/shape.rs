@@ -30,6 +30,14 @@ pub struct CollisionShape {
 impl CollisionShape {
     /// Prepares a body.
     ///
+    /// ```
+    /// use protomer_kernel::{CollisionShape, TriangleMesh, Vec3};
+    /// let mut cube = TriangleMesh::cuboid(&Vec3::repeat(-1.0), &Vec3::repeat(1.0));
+    /// assert!(CollisionShape::new(&cube).is_ok());
+    /// cube.triangles.pop();
+    /// assert!(CollisionShape::new(&cube).is_err(), "it has a hole");
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::BadMesh`] unless the mesh is closed, 2-manifold and outward-oriented, with at
     /// least one triangle.

@@ -38,11 +38,25 @@ pub struct ClosestPoints {
 
 impl ClosestPoints {
     /// The vector from the second body to the first.
+    ///
+    /// ```
+    /// use protomer_kernel::{Vec3, shape::closest::closest_points};
+    /// let segment = [Vec3::zeros(), Vec3::x()];
+    /// let closest = closest_points(&segment, &[Vec3::new(0.5, 2.0, 0.0)]);
+    /// assert_eq!(closest.map(|points| points.separation()), Some(Vec3::new(0.0, -2.0, 0.0)));
+    /// ```
     pub fn separation(&self) -> Vec3 {
         self.on_first - self.on_second
     }
 
     /// The distance between the bodies.
+    ///
+    /// ```
+    /// use protomer_kernel::{Vec3, shape::closest::closest_points};
+    /// let segment = [Vec3::zeros(), Vec3::x()];
+    /// let closest = closest_points(&segment, &[Vec3::new(4.0, 4.0, 0.0)]);
+    /// assert_eq!(closest.map(|points| points.distance()), Some(5.0), "from the end at (1, 0)");
+    /// ```
     pub fn distance(&self) -> f64 {
         self.separation().norm()
     }

@@ -54,6 +54,14 @@ impl Hull {
     }
 
     /// The corners.
+    ///
+    /// ```
+    /// use protomer_kernel::{Vec3, shape::Shape};
+    /// let in_line = Shape::solid(&[Vec3::zeros(), Vec3::x(), 2.0 * Vec3::x()])?;
+    /// let Shape::Solid(hull) = in_line else { panic!() };
+    /// assert_eq!(hull.corners().len(), 2, "the point between the ends is no corner");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn corners(&self) -> Vec<Vec3> {
         match self {
             Hull::Point(corner) => vec![*corner],

@@ -95,6 +95,13 @@ impl Shape {
     }
 
     /// Number of dimensions, 2 or 3.
+    ///
+    /// ```
+    /// use protomer_kernel::{Vec3, shape::Shape};
+    /// let thin = Shape::solid(&[Vec3::zeros(), Vec3::x(), Vec3::y()])?;
+    /// assert_eq!(thin.dimension(), 3, "a triangle in space is a shape in space");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn dimension(&self) -> usize {
         match self {
             Shape::Flat(_) => 2,
@@ -121,6 +128,12 @@ impl Shape {
     }
 
     /// The number of corners.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::builders::by_name;
+    /// assert_eq!((by_name("cube")?.corners(), by_name("cuboid:1,2,3")?.corners()), (8, 8));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn corners(&self) -> usize {
         match self {
             Shape::Flat(corners) => corners.len(),

@@ -54,6 +54,14 @@ pub struct Face {
 impl Polytope {
     /// The polytope that is the hull of points.
     ///
+    /// ```
+    /// use protomer_kernel::shape::{Shape, builders::by_name, polytope::Polytope};
+    /// let cube = Polytope::of(&by_name("cube")?)?;
+    /// assert_eq!((cube.corners.len(), cube.edges.len(), cube.faces.len()), (8, 12, 6));
+    /// assert!(Polytope::of(&Shape::flat(&[[0.0, 0.0], [1.0, 0.0]])?).is_err(), "a segment has no area");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::BadShape`] for a shape without area or volume.
     pub fn of(shape: &Shape) -> Result<Self> {
@@ -145,6 +153,13 @@ impl Polytope {
     }
 
     /// The radius of the largest ball about the centroid that fits in.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
+    /// let cuboid = Polytope::of(&by_name("cuboid:2,4,6")?)?;
+    /// assert!((cuboid.inradius() - 1.0).abs() < 1e-12, "half of the shortest edge");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn inradius(&self) -> f64 {
         let offsets = self.faces.iter().map(|face| face.offset);
         offsets.fold(f64::INFINITY, f64::min)
@@ -163,6 +178,15 @@ impl Polytope {
     }
 
     /// The corners in a pose.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let cube = Polytope::of(&by_name("cuboid:2,2,2")?)?;
+    /// let pose = Pose { position: Vec3::new(10.0, 0.0, 0.0), ..Pose::identity() };
+    /// assert!(cube.corners_at(&pose).iter().all(|corner| (corner.x - 10.0).abs() < 1.0 + 1e-12));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn corners_at(&self, pose: &Pose) -> Vec<Vec3> {
         let transform = |corner| pose.transform_point(corner);
         self.corners.iter().map(transform).collect()

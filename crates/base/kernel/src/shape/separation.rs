@@ -78,6 +78,12 @@ pub fn turn<const D: usize>(matrix: &[[f64; D]; D], from: &[Block<D>], to: &mut 
 }
 
 /// The inner product of two vectors.
+///
+/// ```
+/// use protomer_kernel::shape::separation::dot;
+/// assert_eq!(dot(&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0]), 32.0);
+/// assert_eq!(dot(&[1.0, 2.0], &[-2.0, 1.0]), 0.0, "they are perpendicular");
+/// ```
 #[inline(always)]
 pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     let mut sum = 0.0;
@@ -88,6 +94,11 @@ pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
 }
 
 /// The difference of two vectors.
+///
+/// ```
+/// use protomer_kernel::shape::separation::minus;
+/// assert_eq!(minus(&[4.0, 1.0], &[1.0, 3.0]), [3.0, -2.0]);
+/// ```
 #[inline(always)]
 pub fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
     let mut difference = [0.0; D];
@@ -206,6 +217,14 @@ impl<const D: usize> Pair<'_, D> {
 
     /// Whether this direction, of any length, separates the bodies for certain; touching bodies are not
     /// apart.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::separation::{Pair, error_of_heights, pack};
+    /// let square = pack(&[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]);
+    /// let (offset, error) = ([1.5, 0.0], error_of_heights(4.0));
+    /// let pair = Pair { first: &square, second: &square, offset, reach: 0.0, error };
+    /// assert!(pair.is_separated_along(&[1.0, 0.0]) && !pair.is_separated_along(&[0.0, 1.0]));
+    /// ```
     #[inline(always)]
     pub fn is_separated_along(&self, direction: &[f64; D]) -> bool {
         let top = highest(self.first, direction);
@@ -224,6 +243,15 @@ impl<const D: usize> Pair<'_, D> {
 
     /// Lower bound on the distance of the bodies along a direction, in units of its length;
     /// negative if it does not separate them. The offset counts as it is.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::separation::{Pair, error_of_heights, pack};
+    /// let square = pack(&[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]);
+    /// let (offset, error) = ([2.0, 0.0], error_of_heights(4.0));
+    /// let pair = Pair { first: &square, second: &square, offset, reach: 0.25, error };
+    /// assert_eq!(pair.gap_along(&[1.0, 0.0]), 0.75, "rounding takes a quarter of the gap");
+    /// assert_eq!(pair.gap_along(&[3.0, 0.0]), 0.75, "the length of the direction does not count");
+    /// ```
     pub fn gap_along(&self, direction: &[f64; D]) -> f64 {
         let down = direction.map(|x| -x);
         let cores = dot(&self.offset, direction)

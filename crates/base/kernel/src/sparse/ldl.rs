@@ -48,6 +48,12 @@ impl LdlFactor {
     }
 
     /// Number of unknowns.
+    ///
+    /// ```
+    /// use protomer_kernel::sparse::LdlFactor;
+    /// let factor = LdlFactor::new(2, &[(0, 0), (1, 0), (1, 1)], &[[0.0; 3]; 2]);
+    /// assert_eq!(factor.dimension(), 2);
+    /// ```
     pub fn dimension(&self) -> usize {
         self.symbolic.order.len()
     }
@@ -81,6 +87,14 @@ impl LdlFactor {
 
     /// Factors the matrix with these numbers, in the order of the entries given at the start.
     ///
+    /// ```
+    /// use protomer_kernel::sparse::{LdlFactor, SparseError};
+    /// let mut factor = LdlFactor::new(2, &[(0, 0), (1, 0), (1, 1)], &[[0.0; 3]; 2]);
+    /// assert!(factor.factor(&[4.0, 1.0, 3.0]).is_ok());
+    /// let refused = factor.factor(&[1.0, 1.0, 1.0]);
+    /// assert!(matches!(refused, Err(SparseError::Dependent { .. })), "its rows are equal");
+    /// ```
+    ///
     /// # Errors
     /// [`SparseError::Dependent`] names the row whose pivot vanishes; [`SparseError::NotFinite`] a
     /// row with a number that is not finite. The factor must not be used then.
@@ -106,6 +120,16 @@ impl LdlFactor {
     }
 
     /// Replaces b by the solution x for the last matrix factored.
+    ///
+    /// ```
+    /// use protomer_kernel::sparse::LdlFactor;
+    /// let mut factor = LdlFactor::new(2, &[(0, 0), (1, 1)], &[[0.0; 3]; 2]);
+    /// factor.factor(&[2.0, 4.0])?;
+    /// let mut b = [6.0, 8.0];
+    /// factor.solve(&mut b);
+    /// assert_eq!(b, [3.0, 2.0]);
+    /// # Ok::<(), protomer_kernel::sparse::SparseError>(())
+    /// ```
     pub fn solve(&mut self, b: &mut [f64]) {
         solve(&self.symbolic, &mut self.numbers, b);
     }

@@ -56,6 +56,15 @@ impl Swept {
     /// A shape about its centroid, in a pose, with all places at most a radius from it. In a plane, the
     /// ball is a disk.
     ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, swept::Swept};
+    /// use protomer_kernel::Pose;
+    /// let cube = by_name("cube")?;
+    /// assert!(Swept::new(&cube, 0.0, &Pose::identity()).is_ok(), "a body without rounding");
+    /// assert!(Swept::new(&cube, -0.1, &Pose::identity()).is_err());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) for a negative radius.
     pub fn new(shape: &Shape, radius: f64, pose: &Pose) -> Result<Self> {
