@@ -110,6 +110,16 @@ impl ColourMap {
 
     /// The text of an SVG file.
     ///
+    /// ```
+    /// use protomer_plot::ColourMap;
+    /// let [rows, columns] = [vec!["ALA".to_owned()], vec!["7".to_owned(), "8".to_owned()]];
+    /// let map = ColourMap { rows, columns, values: vec![Some(1.0), Some(-2.0)], ..ColourMap::default() };
+    /// assert!(map.to_svg()?.contains("ALA"));
+    /// let too_few = ColourMap { values: vec![Some(1.0)], ..map };
+    /// assert!(too_few.to_svg().is_err(), "there are two cells");
+    /// # Ok::<(), protomer_plot::PlotError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`PlotError::Drawing`] for a map without cells or with too few numbers, and for a number
     /// that is not finite.
@@ -140,6 +150,14 @@ impl ColourMap {
     }
 
     /// The bytes of a PNG file of [`WIDTH`](super::WIDTH) x [`HEIGHT`](super::HEIGHT) pixels.
+    ///
+    /// ```
+    /// use protomer_plot::ColourMap;
+    /// let [rows, columns] = [vec!["ALA".to_owned()], vec!["7".to_owned()]];
+    /// let map = ColourMap { rows, columns, values: vec![None], ..ColourMap::default() };
+    /// assert!(map.to_png()?.starts_with(b"\x89PNG"), "cells may be without a number");
+    /// # Ok::<(), protomer_plot::PlotError>(())
+    /// ```
     ///
     /// # Errors
     /// As [`ColourMap::to_svg`].

@@ -141,6 +141,12 @@ pub struct Point {
 
 impl Axis {
     /// A linear axis that fits its data.
+    ///
+    /// ```
+    /// use protomer_plot::Axis;
+    /// let axis = Axis::linear("distance, Å");
+    /// assert_eq!((axis.label.as_str(), axis.log, axis.range), ("distance, Å", false, None));
+    /// ```
     pub fn linear(label: impl Into<String>) -> Self {
         Self {
             label: label.into(),

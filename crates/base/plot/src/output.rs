@@ -25,6 +25,15 @@ pub(crate) const WIDE: Shape = Shape {
 impl Figure {
     /// The text of an SVG file. The file also holds the figure itself, for [`Figure::from_svg`].
     ///
+    /// ```
+    /// use protomer_plot::{Axis, Figure, Panel, Series};
+    /// let series = Series { replicas: vec![[1.0, 2.0], [3.0, 4.0]], ..Series::default() };
+    /// let panels = vec![Panel { y: Axis::linear("energy, kT"), series: vec![series] }];
+    /// assert!(Figure { panels, ..Figure::default() }.to_svg()?.contains("energy, kT"));
+    /// assert!(Figure::default().to_svg().is_err(), "there is no point to draw");
+    /// # Ok::<(), protomer_plot::PlotError>(())
+    /// ```
+    ///
     /// # Errors
     /// If a value cannot be drawn: an x or a range that is not finite, a value outside a stated
     /// range or at or below zero on a logarithmic axis, no point at all.
