@@ -59,6 +59,12 @@ pub struct Stopwatch {
 
 impl Stopwatch {
     /// Does the work and adds its time.
+    ///
+    /// ```
+    /// use protomer_common::cpu_time::Stopwatch;
+    /// let mut stopwatch = Stopwatch::default();
+    /// assert_eq!(stopwatch.time(|| 6 * 7), 42, "the result of the work passes through");
+    /// ```
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
         let (processor, wall) = (ThreadTime::now(), Instant::now());
         let done = work();

@@ -61,6 +61,17 @@ pub struct InputFile {
 impl InputFile {
     /// Reads a file, decompressing it if it is gzipped.
     ///
+    /// ```
+    /// use protomer_common::input::InputFile;
+    /// # let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("points.csv");
+    /// std::fs::write(&path, "x,y,z\n")?;
+    /// let file = InputFile::read(&path)?;
+    /// assert_eq!((&file.bytes[..], file.sha256.len()), (&b"x,y,z\n"[..], 64));
+    /// assert!(InputFile::read(&folder.path().join("missing.csv")).is_err());
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Names the file and what is wrong with it.
     pub fn read(path: &Path) -> Result<Self> {

@@ -11,6 +11,12 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers in rows, one for each body.
+///
+/// ```
+/// use protomer_common::live::Rows;
+/// let positions = Rows { columns: 3, values: vec![0.0, 0.0, 0.0, 4.0, 0.0, 0.0] };
+/// assert_eq!(positions.values.len() / positions.columns, 2, "two bodies");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
     /// Number of columns.
@@ -135,6 +141,16 @@ pub fn changed<T: Serialize + DeserializeOwned>(settings: &T, keys: &Value) -> R
 
 /// Takes an array out, if it is there, and refuses another number of columns or of rows.
 ///
+/// ```
+/// use protomer_common::live::{Arrays, Column, Rows, take};
+/// let positions = Rows { columns: 3, values: vec![0.0; 6] };
+/// let mut arrays = Arrays::from([("positions".to_owned(), positions)]);
+/// let wanted = Column { name: "positions", columns: 3 };
+/// assert_eq!(take(&mut arrays, wanted, Some(2))?, Some(vec![0.0; 6]));
+/// assert_eq!(take(&mut arrays, wanted, Some(2))?, None, "it has been taken");
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+///
 /// # Errors
 /// Names the array, what it has and what it must have.
 pub fn take(arrays: &mut Arrays, wanted: Column, count: Option<usize>) -> Result<Option<Vec<f64>>> {
@@ -157,6 +173,15 @@ pub fn take(arrays: &mut Arrays, wanted: Column, count: Option<usize>) -> Result
 
 /// Refuses arrays, other than the box, that do not have a row for each body.
 ///
+/// ```
+/// use protomer_common::live::{Arrays, Rows, require_rows};
+/// let positions = Rows { columns: 3, values: vec![0.0; 6] };
+/// let arrays = Arrays::from([("positions".to_owned(), positions)]);
+/// assert!(require_rows(&arrays, 2).is_ok());
+/// let message = require_rows(&arrays, 3).map_err(|error| error.to_string());
+/// assert_eq!(message, Err("positions has 2 rows, and there are 3 bodies; give a row for each".to_owned()));
+/// ```
+///
 /// # Errors
 /// Names the array and its rows.
 pub fn require_rows(arrays: &Arrays, count: usize) -> Result<()> {
@@ -170,6 +195,15 @@ pub fn require_rows(arrays: &Arrays, count: usize) -> Result<()> {
 }
 
 /// Refuses arrays that nothing has taken.
+///
+/// ```
+/// use protomer_common::live::{Arrays, Column, Rows, refuse_others};
+/// let speeds = Rows { columns: 3, values: Vec::new() };
+/// let arrays = Arrays::from([("speeds".to_owned(), speeds)]);
+/// let message = refuse_others(&arrays, &[Column { name: "positions", columns: 3 }])
+///     .map_err(|error| error.to_string());
+/// assert_eq!(message, Err("there is no array speeds; give positions or box".to_owned()));
+/// ```
 ///
 /// # Errors
 /// Names one of them, and those that there are.

@@ -109,6 +109,17 @@ pub fn refuse_to_overwrite(path: &Path, force: bool) -> Result<()> {
 /// Refuses a file that could not be written. Long computations check this before they begin, when
 /// they cannot know yet whether they would write the same again.
 ///
+/// ```
+/// use protomer_common::output_file::require_writable;
+/// # let folder = tempfile::tempdir()?;
+/// let file = folder.path().join("body.json");
+/// assert!(require_writable(&file, false).is_ok());
+/// std::fs::write(&file, "{}")?;
+/// assert!(require_writable(&file, false).is_err(), "it is there already");
+/// assert!(require_writable(&file, true).is_ok());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`refuse_to_overwrite`] and [`require_folder`].
 pub fn require_writable(path: &Path, force: bool) -> Result<()> {
@@ -117,6 +128,14 @@ pub fn require_writable(path: &Path, force: bool) -> Result<()> {
 }
 
 /// Refuses a file whose folder is missing.
+///
+/// ```
+/// use protomer_common::output_file::require_folder;
+/// # let folder = tempfile::tempdir()?;
+/// assert!(require_folder(&folder.path().join("log.csv")).is_ok());
+/// assert!(require_folder(&folder.path().join("missing/log.csv")).is_err());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 ///
 /// # Errors
 /// If there is no such folder.

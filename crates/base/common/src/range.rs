@@ -127,6 +127,13 @@ impl Range {
     }
 
     /// Whether a number is in the range.
+    ///
+    /// ```
+    /// use protomer_common::range::{PH, Range};
+    /// assert!(PH.holds(7.4) && !PH.holds(15.0));
+    /// let salt = Range::new(1e-3, 5.0, "mol/L").or_zero();
+    /// assert!(salt.holds(0.0) && !salt.holds(f64::NAN), "no range holds what is not a number");
+    /// ```
     pub fn holds(&self, value: f64) -> bool {
         // NaN is in no range.
         (self.least..=self.most).contains(&value) || self.has_zero && value == 0.0
@@ -220,6 +227,12 @@ pub struct Count {
 
 impl Count {
     /// The range from the least number to the largest.
+    ///
+    /// ```
+    /// use protomer_common::range::Count;
+    /// let replicas = Count::new(2, 8);
+    /// assert!(replicas.require("replicas", 2).is_ok() && replicas.require("replicas", 8).is_ok());
+    /// ```
     pub const fn new(least: u64, most: u64) -> Self {
         Self { least, most }
     }

@@ -11,6 +11,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::ops::Deref;
 
 /// Range of a setting.
+///
+/// ```
+/// use protomer_common::range::{Count, PH};
+/// use protomer_common::settings::Bounds;
+/// assert!(matches!(Bounds::from(PH), Bounds::Real(range) if range == PH));
+/// assert!(matches!(Bounds::from(Count::new(1, 9)), Bounds::Whole(_)));
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub enum Bounds {
     /// Range of numbers.
@@ -61,6 +68,13 @@ pub struct Declaration {
 
 impl Declaration {
     /// Makes the declaration of a key: `--time-step <TIME_STEP>` for `time_step`.
+    ///
+    /// ```
+    /// use protomer_common::settings::Declaration;
+    /// let declaration = Declaration::new("most_steps", &[" Limit on the steps."], &None::<u64>);
+    /// assert_eq!((&*declaration.flag, &*declaration.text), ("most-steps", "Limit on the steps"));
+    /// assert_eq!(declaration.default, None, "nothing stands for a missing value yet");
+    /// ```
     pub fn new<T: Setting>(key: &'static str, lines: &[&str], default: &T) -> Self {
         Self {
             key,
@@ -75,6 +89,12 @@ impl Declaration {
     }
 
     /// States the range.
+    ///
+    /// ```
+    /// use protomer_common::{range::PH, settings::{Bounds, Declaration}};
+    /// let declaration = Declaration::new("ph", &[" The pH."], &7.0).within(PH);
+    /// assert!(matches!(declaration.bounds, Some(Bounds::Real(range)) if range.holds(14.0)));
+    /// ```
     #[must_use]
     pub fn within(self, bounds: impl Into<Bounds>) -> Self {
         Self {
@@ -84,6 +104,12 @@ impl Declaration {
     }
 
     /// States what happens without a value.
+    ///
+    /// ```
+    /// use protomer_common::settings::Declaration;
+    /// let declaration = Declaration::new("seed", &[" Seed."], &None::<u64>).otherwise("drawn anew");
+    /// assert_eq!(declaration.default.as_deref(), Some("drawn anew"));
+    /// ```
     #[must_use]
     pub fn otherwise(self, words: &str) -> Self {
         Self {
@@ -93,6 +119,12 @@ impl Declaration {
     }
 
     /// Makes the flag a switch that turns the setting off, with its own text.
+    ///
+    /// ```
+    /// use protomer_common::settings::Declaration;
+    /// let declaration = Declaration::new("water", &[" Keeps waters."], &true).off("Removes waters");
+    /// assert_eq!((declaration.key, &*declaration.flag), ("water", "no-water"));
+    /// ```
     #[must_use]
     pub fn off(self, text: &str) -> Self {
         Self {
@@ -120,6 +152,12 @@ impl Declaration {
     }
 
     /// Names the value in the help.
+    ///
+    /// ```
+    /// use protomer_common::settings::Declaration;
+    /// let declaration = Declaration::new("input", &[" File."], &String::new()).value("FILE");
+    /// assert_eq!((&*declaration.flag, &*declaration.value_name), ("input", "FILE"));
+    /// ```
     #[must_use]
     pub fn value(self, name: &str) -> Self {
         Self {
@@ -129,6 +167,13 @@ impl Declaration {
     }
 
     /// Keeps the flag for one verb.
+    ///
+    /// ```
+    /// use protomer_common::settings::Declaration;
+    /// let declaration = Declaration::new("salt", &[" Salt."], &0.1);
+    /// assert_eq!(declaration.verb, None, "all verbs have the flag");
+    /// assert_eq!(declaration.from("sweep").verb, Some("sweep"));
+    /// ```
     #[must_use]
     pub fn from(self, verb: &'static str) -> Self {
         Self {

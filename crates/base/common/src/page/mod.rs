@@ -61,6 +61,13 @@ pub struct Origin {
 }
 
 /// A part of a page under a heading.
+///
+/// ```
+/// use protomer_common::page::{Part, Section};
+/// let text = Part::Paragraph("The bodies keep their distance.".into());
+/// let section = Section { title: "Results", parts: vec![text, Part::file("log.csv")] };
+/// assert_eq!(section.parts.len(), 2);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Section {
     /// Heading.
@@ -70,6 +77,12 @@ pub struct Section {
 }
 
 /// A piece of a section.
+///
+/// ```
+/// use protomer_common::page::{Data, Part};
+/// let Part::Data(Data::File(file)) = Part::file("log.csv") else { panic!() };
+/// assert_eq!(file, "log.csv");
+/// ```
 #[derive(Debug, Clone)]
 pub enum Part {
     /// Plain text.
@@ -140,6 +153,12 @@ pub struct Program {
 
 impl Contents {
     /// A page without sections, of results that are not finished.
+    ///
+    /// ```
+    /// use protomer_common::page::Contents;
+    /// let contents = Contents::new("Random walk");
+    /// assert_eq!((contents.subtitle.as_str(), contents.sections.len()), ("Not finished", 0));
+    /// ```
     pub fn new(title: &'static str) -> Self {
         Self {
             title,
@@ -157,6 +176,14 @@ impl Contents {
     }
 
     /// Adds a section.
+    ///
+    /// ```
+    /// use protomer_common::page::{Contents, Section};
+    /// let mut contents = Contents::new("Random walk");
+    /// contents.add(Section::new("Results", Vec::new()));
+    /// contents.add(Section::new("Errors", Vec::new()));
+    /// assert_eq!(contents.sections[1].title, "Errors", "they keep their order");
+    /// ```
     pub fn add(&mut self, section: Section) {
         self.sections.push(section);
     }
@@ -192,6 +219,13 @@ impl Part {
     }
 
     /// A picture of the directory, drawn from the table (CSV) `data`.
+    ///
+    /// ```
+    /// use protomer_common::page::{Data, Part};
+    /// let part = Part::picture("walk.svg", "Path of the walk", Some("walk.csv"));
+    /// let Part::Picture { data: Some(Data::File(table)), .. } = part else { panic!() };
+    /// assert_eq!(table, "walk.csv");
+    /// ```
     pub fn picture(file: &str, title: &'static str, data: Option<&str>) -> Self {
         Self::Picture {
             file: file.into(),

@@ -43,6 +43,13 @@ impl Verdict {
     }
 
     /// The verdict on whether the samples are enough for the errors that are stated.
+    ///
+    /// ```
+    /// use protomer_common::page::Verdict;
+    /// let verdict = Verdict::sampled_enough(false, "ten independent samples are too few");
+    /// assert!(!verdict.is_good());
+    /// assert_eq!((verdict.question, verdict.answer), ("Enough samples", Some(false)));
+    /// ```
     pub fn sampled_enough(answer: bool, reason: &str) -> Self {
         Self {
             question: "Enough samples",
@@ -52,6 +59,13 @@ impl Verdict {
     }
 
     /// The verdict on whether a control gave what is known beforehand.
+    ///
+    /// ```
+    /// use protomer_common::page::Verdict;
+    /// let verdict = Verdict::control_passed(true, "the ideal gas has the pressure ρ kT");
+    /// assert!(verdict.is_good());
+    /// assert_eq!(verdict.question, "Control passed");
+    /// ```
     pub fn control_passed(answer: bool, reason: &str) -> Self {
         Self {
             question: "Control passed",
@@ -61,6 +75,12 @@ impl Verdict {
     }
 
     /// Whether the results may be used as they are.
+    ///
+    /// ```
+    /// use protomer_common::page::Verdict;
+    /// let undecided = Verdict::equilibrated(None, "the run is too short");
+    /// assert!(!undecided.is_good(), "what is not known is not good");
+    /// ```
     pub fn is_good(&self) -> bool {
         self.answer == Some(true)
     }
