@@ -227,11 +227,25 @@ impl Array {
     }
 
     /// Lengths along each dimension.
+    ///
+    /// ```
+    /// use protomer_io::container::Array;
+    /// let corners = Array::f64(vec![0.0; 12], [4, 3])?;
+    /// assert_eq!(corners.shape(), [4, 3]);
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     pub fn shape(&self) -> &[usize] {
         &self.shape
     }
 
     /// The values, the last index running fastest.
+    ///
+    /// ```
+    /// use protomer_io::container::{Array, Values};
+    /// let numbers = Array::u32(vec![1, 2, 3, 4], [2, 2])?;
+    /// assert_eq!(numbers.values(), &Values::U32(vec![1, 2, 3, 4]));
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     pub fn values(&self) -> &Values {
         &self.values
     }
@@ -239,6 +253,13 @@ impl Array {
 
 impl Container {
     /// A container without arrays.
+    ///
+    /// ```
+    /// use protomer_io::container::Container;
+    /// let container = Container::new("body", serde_json::json!({ "name": "lysozyme" }));
+    /// assert_eq!((container.kind.as_str(), container.arrays().count()), ("body", 0));
+    /// assert_eq!(container.header["name"], "lysozyme");
+    /// ```
     pub fn new(kind: impl Into<String>, header: serde_json::Value) -> Self {
         Self {
             kind: kind.into(),
@@ -263,6 +284,15 @@ impl Container {
     }
 
     /// The array of this name.
+    ///
+    /// ```
+    /// use protomer_io::container::{Array, Container};
+    /// let mut container = Container::new("body", serde_json::json!({}));
+    /// let charges = Array::f64(vec![1.0, -1.0], [2])?;
+    /// container.insert("charges", charges.clone());
+    /// assert_eq!(container.get("charges"), Some(&charges));
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     pub fn get(&self, name: &str) -> Option<&Array> {
         self.arrays.get(name)
     }
@@ -300,6 +330,17 @@ impl Container {
     }
 
     /// The bytes of the file. The same content gives the same bytes.
+    ///
+    /// ```
+    /// use protomer_io::container::{Array, Container};
+    /// let (mut one, mut other) = (Container::new("a", 1.into()), Container::new("a", 1.into()));
+    /// one.insert("x", Array::f64(vec![1.0], [1])?);
+    /// one.insert("y", Array::f64(vec![2.0], [1])?);
+    /// other.insert("y", Array::f64(vec![2.0], [1])?);
+    /// other.insert("x", Array::f64(vec![1.0], [1])?);
+    /// assert_eq!(one.to_bytes()?, other.to_bytes()?, "the order of insertion leaves no trace");
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     ///
     /// # Errors
     /// [`IoError::Unwritable`] for names longer than 65 535 bytes.

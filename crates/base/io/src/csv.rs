@@ -89,6 +89,12 @@ pub struct Table {
 
 impl Table {
     /// A table with these columns and no rows.
+    ///
+    /// ```
+    /// use protomer_io::csv::Table;
+    /// assert_eq!(Table::new(["step", "energy_kt"]).to_csv()?, "step,energy_kt\n", "the head alone");
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     pub fn new<S: Into<String>>(columns: impl IntoIterator<Item = S>) -> Self {
         Self {
             columns: columns.into_iter().map(Into::into).collect(),
@@ -97,11 +103,24 @@ impl Table {
     }
 
     /// The column names.
+    ///
+    /// ```
+    /// use protomer_io::csv::Table;
+    /// assert_eq!(Table::new(["step", "energy_kt"]).columns(), ["step", "energy_kt"]);
+    /// ```
     pub fn columns(&self) -> &[String] {
         &self.columns
     }
 
     /// The rows.
+    ///
+    /// ```
+    /// use protomer_io::csv::{Cell, Table};
+    /// let mut table = Table::new(["chain", "charge_e"]);
+    /// table.push(["A".into(), None::<f64>.into()])?;
+    /// assert_eq!(table.rows(), [[Cell::Text("A".into()), Cell::Empty]]);
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     pub fn rows(&self) -> &[Vec<Cell>] {
         &self.rows
     }

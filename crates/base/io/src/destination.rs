@@ -8,6 +8,15 @@ use std::path::{Path, PathBuf};
 const MOST_LINKS: usize = 40;
 
 /// Destination of a path, with links followed.
+///
+/// ```
+/// use protomer_io::destination::Destination;
+/// # let folder = tempfile::tempdir()?;
+/// let file = folder.path().join("log.csv");
+/// assert!(matches!(Destination::find(&file)?, Destination::Replaceable(path) if path == file));
+/// assert!(Destination::find(folder.path()).is_err(), "a folder is not replaced by a file");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub enum Destination {
     /// A regular file, or none yet: it is replaced as a whole.

@@ -9,6 +9,14 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 /// The values of an array, the last axis running fastest.
+///
+/// ```
+/// use protomer_io::npz::{NamedArray, NpyValues, write_npz};
+/// let size = |values| write_npz(&[NamedArray { name: "x", shape: &[2], values }]).map(|file| file.len());
+/// let (single, double) = (size(NpyValues::F32(&[1.0, 2.0]))?, size(NpyValues::F64(&[1.0, 2.0]))?);
+/// assert_eq!(double - single, 8, "four bytes more for each value");
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NpyValues<'a> {
     /// Single precision.
@@ -49,6 +57,15 @@ impl NpyValues<'_> {
 }
 
 /// One array of an archive.
+///
+/// ```
+/// use protomer_io::npz::{NamedArray, NpyValues, write_npz};
+/// let values = NpyValues::F64(&[1.0, 2.0, 3.0]);
+/// let row = NamedArray { name: "charges", shape: &[3], values };
+/// assert!(write_npz(&[row]).is_ok());
+/// assert!(write_npz(&[NamedArray { shape: &[2, 2], ..row }]).is_err(), "four places, three values");
+/// assert!(write_npz(&[row, row]).is_err(), "two arrays have one name");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NamedArray<'a> {
     /// The key under which `numpy.load` finds it.

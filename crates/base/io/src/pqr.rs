@@ -9,6 +9,15 @@ use protomer_kernel::PointRecord;
 use std::fmt::Write;
 
 /// The atoms of a PQR file, and how many models it holds.
+///
+/// ```
+/// use protomer_io::pqr::read_pqr_file;
+/// let atom = "ATOM 1 CA ALA 1 0.0 1.0 -2.0 -0.25 1.7\n";
+/// let text = format!("MODEL 1\n{atom}ENDMDL\nMODEL 2\n{atom}ENDMDL\n");
+/// let file = read_pqr_file("two.pqr", text.as_bytes())?;
+/// assert_eq!((file.atoms.len(), file.models), (1, 2));
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PqrFile {
     /// Atoms of the first model.

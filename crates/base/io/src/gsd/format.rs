@@ -68,6 +68,11 @@ impl ChunkData {
     }
 
     /// The number of values.
+    ///
+    /// ```
+    /// use protomer_io::gsd::ChunkData;
+    /// assert_eq!(ChunkData::F64(vec![1.0, 2.0]).len(), 2, "values, not bytes");
+    /// ```
     pub fn len(&self) -> usize {
         match self {
             ChunkData::U8(values) => values.len(),
@@ -80,6 +85,11 @@ impl ChunkData {
     }
 
     /// Whether there are no values.
+    ///
+    /// ```
+    /// use protomer_io::gsd::ChunkData;
+    /// assert!(ChunkData::U8(Vec::new()).is_empty() && !ChunkData::U8(vec![0]).is_empty());
+    /// ```
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

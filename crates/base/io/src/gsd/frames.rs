@@ -109,6 +109,12 @@ impl FrameWriter {
 
 impl Chunk {
     /// Values in rows of so many columns.
+    ///
+    /// ```
+    /// use protomer_io::gsd::{Chunk, ChunkData};
+    /// let positions = Chunk::new("particles/position", 3, ChunkData::F32(vec![0.0; 6]));
+    /// assert_eq!(positions.data.len() / positions.columns as usize, 2, "two bodies");
+    /// ```
     pub fn new(name: &str, columns: u32, data: ChunkData) -> Self {
         Self {
             name: name.to_owned(),
@@ -118,6 +124,14 @@ impl Chunk {
     }
 
     /// The strings of [`Chunk::text`]; `None` for numbers.
+    ///
+    /// ```
+    /// use protomer_io::gsd::{Chunk, ChunkData};
+    /// let names = ["short".to_owned(), "a longer one".to_owned()];
+    /// assert_eq!(Chunk::text("particles/types", &names)?.texts(), Some(names.to_vec()));
+    /// assert_eq!(Chunk::new("step", 1, ChunkData::U64(vec![40])).texts(), None);
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     pub fn texts(&self) -> Option<Vec<String>> {
         let ChunkData::I8(letters) = &self.data else {
             return None;

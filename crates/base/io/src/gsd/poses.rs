@@ -9,6 +9,22 @@ use std::path::{Path, PathBuf};
 const IDENTITY_WXYZ: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 /// The poses of one frame.
+///
+/// ```
+/// use protomer_io::gsd::{FrameWriter, TrajectoryFrame, TrajectoryReader, trajectory::frame_chunks};
+/// use protomer_kernel::Pose;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("trajectory.gsd");
+/// let (box_lengths_angstrom, poses) = ([90.0; 3], &[Pose::identity()]);
+/// let frame = TrajectoryFrame { step: 0, box_lengths_angstrom, poses, log: &[], charges_e: None };
+/// let mut writer = FrameWriter::open(&path, Vec::new(), 0)?;
+/// writer.append(frame_chunks(&frame))?;
+/// writer.sync()?;
+/// let read = TrajectoryReader::open(&path)?.frame(0)?;
+/// assert_eq!(read.tilt_factors, [0.0; 3], "the box is rectangular");
+/// assert_eq!(read.type_ids, [0], "without types all bodies are of the first");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosedFrame {
     /// Sweeps done.

@@ -95,6 +95,15 @@ impl GsdFile {
     }
 
     /// The program that wrote the file.
+    ///
+    /// ```
+    /// use protomer_io::gsd::{GsdFile, GsdWriter};
+    /// # let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("one.gsd");
+    /// GsdWriter::create(&path, "an example", "own", (1, 0))?.sync()?;
+    /// assert_eq!(GsdFile::open(&path)?.application(), "an example");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn application(&self) -> &str {
         &self.header.application
     }
@@ -107,6 +116,17 @@ impl GsdFile {
 
     /// One chunk of a frame; `None` if the frame does not have it (in the HOOMD schema it is then
     /// as in frame 0).
+    ///
+    /// ```
+    /// use protomer_io::gsd::{Chunk, ChunkData, GsdFile, GsdWriter};
+    /// # let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("one.gsd");
+    /// let step = Chunk::new("step", 1, ChunkData::U64(vec![40]));
+    /// GsdWriter::create(&path, "an example", "own", (1, 0))?.append_frame(&[step.clone()])?;
+    /// let mut file = GsdFile::open(&path)?;
+    /// assert_eq!((file.chunk(0, "step")?, file.chunk(0, "energy")?), (Some(step), None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`IoError::File`] if the system call fails, [`IoError::Parse`] for a type of values that
@@ -124,6 +144,16 @@ impl GsdFile {
     }
 
     /// All chunks of a frame, in the order in which they were written.
+    ///
+    /// ```
+    /// use protomer_io::gsd::{Chunk, ChunkData, GsdFile, GsdWriter};
+    /// # let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("one.gsd");
+    /// let chunks = ["step", "energy"].map(|name| Chunk::new(name, 1, ChunkData::F64(vec![1.5])));
+    /// GsdWriter::create(&path, "an example", "own", (1, 0))?.append_frame(&chunks)?;
+    /// assert_eq!(GsdFile::open(&path)?.frame(0)?, chunks);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As [`GsdFile::chunk`].

@@ -11,6 +11,16 @@ use protomer_kernel::{Pose, TriangleMesh};
 use std::path::Path;
 
 /// A kind of body.
+///
+/// ```
+/// use protomer_io::gsd::{ParticleType, TrajectoryHeader, trajectory::header_chunks};
+/// let types = ["lysozyme", "insulin"].map(|name| ParticleType { name: name.into(), mesh: None });
+/// let type_ids = vec![0, 1, 1];
+/// let header = TrajectoryHeader { types: types.into(), type_ids, charges_e: vec![8.0, -2.0, -2.0] };
+/// let names = header_chunks(&header)?[0].texts();
+/// assert_eq!(names, Some(vec!["lysozyme".to_owned(), "insulin".to_owned()]));
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParticleType {
     /// Name.
@@ -204,6 +214,15 @@ fn check_header(header: &TrajectoryHeader) -> Result<()> {
 }
 
 /// Data of one frame.
+///
+/// ```
+/// use protomer_io::gsd::{ChunkData, TrajectoryFrame, trajectory::frame_chunks};
+/// let (box_lengths_angstrom, log) = ([90.0; 3], &[("energy_kT", -3.5)]);
+/// let frame = TrajectoryFrame { step: 40, box_lengths_angstrom, poses: &[], log, charges_e: None };
+/// let chunks = frame_chunks(&frame);
+/// assert_eq!(chunks[0].data, ChunkData::U64(vec![40]));
+/// assert!(chunks.iter().any(|chunk| chunk.name == "log/energy_kT"));
+/// ```
 pub fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
     let [lx, ly, lz] = frame.box_lengths_angstrom.map(|length| length as f32);
     let (mut positions, mut orientations) = (Vec::new(), Vec::new());

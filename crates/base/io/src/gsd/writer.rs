@@ -88,6 +88,17 @@ impl GsdWriter {
 
     /// Appends a frame of these chunks.
     ///
+    /// ```
+    /// use protomer_io::gsd::{Chunk, ChunkData, GsdWriter};
+    /// # let folder = tempfile::tempdir()?;
+    /// let mut writer = GsdWriter::create(&folder.path().join("one.gsd"), "an example", "own", (1, 0))?;
+    /// let step = Chunk::new("step", 1, ChunkData::U64(vec![0]));
+    /// assert!(writer.append_frame(&[step.clone(), step.clone()]).is_err(), "a name is given twice");
+    /// writer.append_frame(&[step])?;
+    /// assert_eq!(writer.frames(), 1, "what was refused left nothing behind");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`IoError::File`] if the system call fails (disk full): the file then still ends with the
     /// frame before. [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a

@@ -37,6 +37,18 @@ pub(super) fn write(path: &Path, attributes: &impl Serialize) -> Result<()> {
 /// Reads the attributes of a set into a type. What the type does not name is passed over and takes
 /// no memory.
 ///
+/// ```
+/// use protomer_io::zarr::{SetPlan, SetWriter, attributes};
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("set.zarr");
+/// let [channels, implied, columns] = [vec!["shape".to_owned()], vec![], vec![]];
+/// let plan = SetPlan { size: 8, channels, implied, columns, samples: 0, voxels: 0 };
+/// SetWriter::create(&path, plan)?.finish(&serde_json::json!({ "probe_angstrom": 1.4 }))?;
+/// let read: serde_json::Value = attributes(&path)?;
+/// assert_eq!((&read["probe_angstrom"], &read["size"]), (&1.4.into(), &8.into()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`IoError::Parse`] if there is no set, or its attributes are damaged or not of this type.
 pub fn attributes<A: DeserializeOwned>(path: &Path) -> Result<A> {

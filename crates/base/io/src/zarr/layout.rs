@@ -31,6 +31,13 @@ pub const PROPERTIES: &str = "properties";
 pub const NO_INDEX: u32 = u32::MAX;
 
 /// Elements per file of an array over all voxels: whole chunks, a power of two of them.
+///
+/// ```
+/// use protomer_io::zarr::layout::elements_per_file;
+/// let [few, many] = [10, 1_000_000_000].map(elements_per_file);
+/// assert!(few < many && few.is_power_of_two() && many.is_power_of_two());
+/// assert!(many < 1_000_000_000, "a large array has several files");
+/// ```
 pub fn elements_per_file(elements: u64) -> u64 {
     elements
         .clamp(CHUNK_ELEMENTS, MOST_ELEMENTS_PER_FILE)

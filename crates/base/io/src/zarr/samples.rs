@@ -46,6 +46,14 @@ pub struct SampleReader {
 }
 
 /// The occupied voxels of a sample and, for each channel of the set, the values there.
+///
+/// ```
+/// use protomer_io::zarr::StoredSample;
+/// // The voxel at x = 3, y = 2, z = 1 of a grid with 16 along each edge, in one channel.
+/// let sample = StoredSample { index: vec![(16 + 2) * 16 + 3], values: vec![vec![0.5]] };
+/// assert_eq!((sample.index[0] % 16, sample.index[0] / 16 % 16, sample.index[0] / 256), (3, 2, 1));
+/// assert_eq!(sample.values[0].len(), sample.index.len());
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StoredSample {
     /// Voxel numbers, ascending: (z size + y) size + x.

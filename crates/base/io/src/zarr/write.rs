@@ -15,6 +15,22 @@ use zarrs::array::{Array, Element};
 use zarrs::filesystem::FilesystemStore;
 
 /// Content of a set, as far as it is known before the first sample.
+///
+/// ```
+/// use protomer_io::zarr::{SetPlan, SetWriter};
+/// # let folder = tempfile::tempdir()?;
+/// let plan = SetPlan {
+///     size: 16,
+///     channels: vec!["shape".to_owned()],
+///     implied: vec!["shape".to_owned()],
+///     columns: Vec::new(),
+///     samples: 1,
+///     voxels: 2,
+/// };
+/// let writer = SetWriter::create(&folder.path().join("set.zarr"), plan)?;
+/// assert!(writer.finish(&serde_json::json!({})).is_err(), "the sample it promises is missing");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetPlan {
     /// Voxels along each edge.
@@ -148,6 +164,12 @@ pub fn stored_bits(value: f32) -> u16 {
 }
 
 /// The value with this stored form.
+///
+/// ```
+/// use protomer_io::zarr::of_stored_bits;
+/// assert_eq!(of_stored_bits(0x3c00), 1.0);
+/// assert_eq!(of_stored_bits(0xbc00), -1.0, "the first bit is the sign");
+/// ```
 pub fn of_stored_bits(bits: u16) -> f32 {
     f16::from_bits(bits).to_f32()
 }
