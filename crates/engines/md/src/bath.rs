@@ -68,6 +68,13 @@ pub enum Ensemble {
 impl Ensemble {
     /// Checks the numbers.
     ///
+    /// ```
+    /// use protomer_md::bath::Ensemble;
+    /// assert!(Ensemble::Nve.check().is_ok());
+    /// assert!(Ensemble::Langevin { temperature: 1.0, friction: 0.1 }.check().is_ok());
+    /// assert!(Ensemble::Langevin { temperature: 1.0, friction: -0.1 }.check().is_err());
+    /// ```
+    ///
     /// # Errors
     /// [`Error::OutOfRange`].
     pub fn check(&self) -> Result<()> {

@@ -61,11 +61,25 @@ impl Drift {
     }
 
     /// The last value minus the first.
+    ///
+    /// ```
+    /// use protomer_md::drift::Drift;
+    /// let mut drift = Drift::default();
+    /// [(0.0, 5.0), (1.0, 9.0), (2.0, 6.0)].map(|(time, value)| drift.push(time, value));
+    /// assert_eq!(drift.change(), 1.0, "the value in between does not count");
+    /// ```
     pub fn change(&self) -> f64 {
         self.last[1]
     }
 
     /// The change over the whole time along the straight line through the values.
+    ///
+    /// ```
+    /// use protomer_md::drift::Drift;
+    /// let mut drift = Drift::default();
+    /// [(0.0, 0.0), (1.0, 3.0), (2.0, 0.0)].map(|(time, value)| drift.push(time, value));
+    /// assert!(drift.along_the_line().abs() < 1e-12, "it rises as much as it falls");
+    /// ```
     pub fn along_the_line(&self) -> f64 {
         match self.squares[0] > 0.0 {
             true => self.product / self.squares[0] * self.last[0],
@@ -74,6 +88,13 @@ impl Drift {
     }
 
     /// The root of the mean squared deviation from the line.
+    ///
+    /// ```
+    /// use protomer_md::drift::Drift;
+    /// let mut drift = Drift::default();
+    /// [(0.0, 1.0), (1.0, -1.0), (2.0, -1.0), (3.0, 1.0)].map(|(time, value)| drift.push(time, value));
+    /// assert!((drift.noise() - 1.0).abs() < 1e-12);
+    /// ```
     pub fn noise(&self) -> f64 {
         // Sum of squares that the line leaves.
         if self.squares[0] <= 0.0 {

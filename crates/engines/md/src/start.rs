@@ -14,6 +14,14 @@ pub const ACROSS_THE_PLANE: f64 = 1e6;
 
 /// The least number density at which bodies may be turned at random on a square or simple cubic
 /// lattice without repelling each other.
+///
+/// ```
+/// use protomer_md::{body::Kind, start::free_density, state::Bodies};
+/// let bodies = |radius| Kind::ball(3, radius).map(|kind| Bodies::of_one_kind(kind, 27));
+/// let ratio = free_density(&bodies(1.0)?) / free_density(&bodies(2.0)?);
+/// assert!((ratio - 8.0).abs() < 1e-9, "twice the radius needs eight times the room");
+/// # Ok::<(), protomer_md::Error>(())
+/// ```
 pub fn free_density(bodies: &Bodies) -> f64 {
     let mut spacing = 0.0_f64;
     for first in &bodies.kinds {

@@ -26,6 +26,13 @@ pub struct Bodies {
 
 impl Bodies {
     /// Bodies of one kind.
+    ///
+    /// ```
+    /// use protomer_md::{body::Kind, state::Bodies};
+    /// let bodies = Bodies::of_one_kind(Kind::ball(3, 1.0)?, 100);
+    /// assert_eq!((bodies.count(), bodies.kinds.len()), (100, 1));
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     pub fn of_one_kind(kind: Kind, count: usize) -> Self {
         Self {
             kinds: vec![kind],
@@ -39,6 +46,14 @@ impl Bodies {
     }
 
     /// The kind of a body.
+    ///
+    /// ```
+    /// use protomer_md::{body::Kind, state::Bodies};
+    /// let kinds = vec![Kind::ball(2, 0.5)?, Kind::ball(2, 1.0)?];
+    /// let bodies = Bodies { kinds, kind_of: vec![0, 1, 0] };
+    /// assert_eq!(bodies.kind(1).inradius(), 1.0);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     pub fn kind(&self, body: usize) -> &Kind {
         &self.kinds[self.kind_of[body]]
     }

@@ -286,6 +286,14 @@ impl Kind {
     }
 
     /// Whether the body is a disk or a ball, whose rotation no force changes.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_md::body::Kind;
+    /// assert!(Kind::ball(3, 1.0)?.is_ball());
+    /// assert!(!Kind::ellipsoid(3, Vec3::new(1.0, 1.0, 2.0))?.is_ball());
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     pub fn is_ball(&self) -> bool {
         self.parts.iter().all(Part::is_ball)
     }
@@ -297,11 +305,27 @@ impl Kind {
     }
 
     /// The radius of the smallest ball about the centre that holds the body.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_md::body::Kind;
+    /// let ellipse = Kind::ellipsoid(2, Vec3::new(1.0, 3.0, 0.0))?;
+    /// assert_eq!((ellipse.inradius(), ellipse.circumradius()), (1.0, 3.0));
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     pub fn circumradius(&self) -> f64 {
         self.circumradius
     }
 
     /// Number of rotational degrees of freedom.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_md::body::Kind;
+    /// assert_eq!(Kind::ball(3, 1.0)?.turns(), 0, "no force turns a ball");
+    /// assert_eq!(Kind::ellipsoid(3, Vec3::new(1.0, 1.0, 2.0))?.turns(), 3);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     pub fn turns(&self) -> usize {
         match (self.is_ball(), self.dimension) {
             (true, _) => 0,

@@ -51,6 +51,12 @@ impl Attraction {
 
     /// Checks the numbers.
     ///
+    /// ```
+    /// use protomer_md::pair::radial::Attraction;
+    /// assert!(Attraction { strength: 1.0, cut_off: f64::INFINITY }.check().is_ok());
+    /// assert!(Attraction { strength: 1.0, cut_off: f64::NAN }.check().is_err());
+    /// ```
+    ///
     /// # Errors
     /// [`Error::OutOfRange`].
     pub fn check(&self) -> Result<()> {
@@ -102,11 +108,25 @@ impl Radial {
     }
 
     /// Distance at which the repulsion ends: 2^(1/6) σ.
+    ///
+    /// ```
+    /// use protomer_md::pair::radial::Radial;
+    /// let repulsion = Radial::repulsion(1.0);
+    /// assert!((repulsion.minimum().powi(6) - 2.0).abs() < 1e-12);
+    /// ```
     pub fn minimum(&self) -> f64 {
         SIXTH_ROOT_OF_TWO * self.sigma
     }
 
     /// Distance beyond which the energy is zero.
+    ///
+    /// ```
+    /// use protomer_md::pair::radial::{Attraction, Radial};
+    /// let repulsion = Radial::repulsion(2.0);
+    /// assert_eq!(repulsion.range(), repulsion.minimum());
+    /// let attraction = Attraction { strength: 1.0, cut_off: 2.5 };
+    /// assert_eq!(Radial { attraction, ..repulsion }.range(), 5.0);
+    /// ```
     pub fn range(&self) -> f64 {
         match self.attraction.strength > 0.0 {
             true => self.attraction.cut_off * self.sigma,
@@ -115,6 +135,13 @@ impl Radial {
     }
 
     /// The energy at a distance.
+    ///
+    /// ```
+    /// use protomer_md::pair::radial::{Attraction, Radial};
+    /// let attraction = Attraction { strength: 0.5, cut_off: f64::INFINITY };
+    /// let half = Radial { attraction, ..Radial::repulsion(1.0) };
+    /// assert!((half.energy(half.minimum()) + 0.5).abs() < 1e-12, "the depth is λ");
+    /// ```
     pub fn energy(&self, distance: f64) -> f64 {
         match distance >= self.range() {
             true => 0.0,
@@ -123,6 +150,13 @@ impl Radial {
     }
 
     /// The derivative of the energy by the distance.
+    ///
+    /// ```
+    /// use protomer_md::pair::radial::Radial;
+    /// let (repulsion, h) = (Radial::repulsion(1.0), 1e-6);
+    /// let difference = repulsion.energy(0.9 + h) - repulsion.energy(0.9 - h);
+    /// assert!((repulsion.slope(0.9) / (difference / (2.0 * h)) - 1.0).abs() < 1e-6);
+    /// ```
     pub fn slope(&self, distance: f64) -> f64 {
         match distance >= self.range() {
             true => 0.0,
