@@ -68,6 +68,12 @@ pub struct HeightTable {
 impl HeightTable {
     /// Checks the numbers.
     ///
+    /// ```
+    /// use protomer_hpmc::field::HeightTable;
+    /// let falling = HeightTable { heights: vec![1.0, 0.0], energies_kt: vec![0.0, 0.0] };
+    /// assert!(falling.check().is_err(), "heights rise");
+    /// ```
+    ///
     /// # Errors
     /// Names the number that cannot be.
     pub fn check(&self) -> Result<()> {
@@ -113,6 +119,12 @@ impl HeightTable {
     }
 
     /// Energy at a height, kT.
+    ///
+    /// ```
+    /// use protomer_hpmc::field::HeightTable;
+    /// let slope = HeightTable { heights: vec![1.0, 3.0], energies_kt: vec![0.0, 4.0] };
+    /// assert_eq!([0.0, 2.0, 9.0].map(|height| slope.energy_kt(height)), [0.0, 2.0, 4.0]);
+    /// ```
     pub fn energy_kt(&self, height: f64) -> f64 {
         let above = self.heights.partition_point(|row| *row <= height);
         match above {

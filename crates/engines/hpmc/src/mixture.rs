@@ -21,6 +21,14 @@ pub struct Mixture<const D: usize> {
 impl<const D: usize> Mixture<D> {
     /// Bodies of these kinds; `kind_of` holds the number of the kind of each.
     ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, mixture::Mixture};
+    /// let ball = HardBody::<3>::ball(1.0)?;
+    /// assert!(Mixture::new(vec![ball.clone()], vec![0, 0]).is_ok());
+    /// assert!(Mixture::new(vec![ball], vec![0, 1]).is_err(), "there is no second kind");
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Without a kind, and for the number of a kind that there is not. If one kind is made of pieces, all must be.
     pub fn new(kinds: Vec<HardBody<D>>, kind_of: Vec<u32>) -> Result<Self> {
@@ -50,6 +58,13 @@ impl<const D: usize> Mixture<D> {
     }
 
     /// Equal bodies.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, mixture::Mixture};
+    /// let balls = Mixture::equal(HardBody::<3>::ball(1.0)?, 5);
+    /// assert_eq!((balls.kinds().len(), balls.kind_of()), (1, &[0; 5][..]));
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn equal(body: HardBody<D>, count: usize) -> Self {
         Self {
             kinds: vec![body],
@@ -83,6 +98,13 @@ impl<const D: usize> Mixture<D> {
     }
 
     /// Radius of the ball about its centre that holds any of the bodies.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, mixture::Mixture};
+    /// let kinds = vec![HardBody::<3>::ball(0.5)?, HardBody::<3>::ball(2.0)?];
+    /// assert_eq!(Mixture::new(kinds, vec![0, 0, 1])?.widest(), 2.0);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn widest(&self) -> f64 {
         self.kinds
             .iter()
@@ -91,6 +113,15 @@ impl<const D: usize> Mixture<D> {
     }
 
     /// Mean volume of a body.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, mixture::Mixture};
+    /// let (small, large) = (HardBody::<3>::ball(1.0)?, HardBody::<3>::ball(2.0)?);
+    /// let expected = (3.0 * small.volume + large.volume) / 4.0;
+    /// let mixture = Mixture::new(vec![small, large], vec![0, 0, 0, 1])?;
+    /// assert!((mixture.mean_volume() - expected).abs() < 1e-12);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn mean_volume(&self) -> f64 {
         let volumes = (0..self.len()).map(|number| self.body(number).volume);
         volumes.sum::<f64>() / self.len().max(1) as f64

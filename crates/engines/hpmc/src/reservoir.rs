@@ -38,6 +38,12 @@ pub struct Depletant {
 impl Depletant {
     /// Checks the numbers.
     ///
+    /// ```
+    /// use protomer_hpmc::reservoir::Depletant;
+    /// assert!(Depletant { radius: 0.1, fugacity: 0.0 }.check().is_ok());
+    /// assert!(Depletant { radius: 0.0, fugacity: 5.0 }.check().is_err());
+    /// ```
+    ///
     /// # Errors
     /// For a radius or fugacity that is negative or not finite.
     pub fn check(&self) -> Result<()> {

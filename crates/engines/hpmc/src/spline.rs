@@ -85,6 +85,13 @@ impl Spline {
     }
 
     /// The abscissas of the first and of the last point.
+    ///
+    /// ```
+    /// use protomer_hpmc::spline::Spline;
+    /// let spline = Spline::through([0.5, 1.0, 2.0, 4.0].map(|x: f64| (x, x * x)))?;
+    /// assert_eq!(spline.range(), [0.5, 4.0]);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn range(&self) -> [f64; 2] {
         [self.x[0], self.x[self.x.len() - 1]]
     }
@@ -113,6 +120,13 @@ impl Spline {
     }
 
     /// The integral from the first point to each point.
+    ///
+    /// ```
+    /// use protomer_hpmc::spline::Spline;
+    /// let spline = Spline::through([0.0, 1.0, 2.0, 4.0].map(|x: f64| (x, 3.0 * x * x)))?;
+    /// assert!((spline.integrals()[3] - 64.0).abs() < 1e-12, "x³ at the last point");
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn integrals(&self) -> Vec<f64> {
         let mut integrals = vec![0.0];
         for i in 0..self.x.len() - 1 {

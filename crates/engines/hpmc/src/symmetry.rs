@@ -85,6 +85,15 @@ impl Symmetry {
     }
 
     /// Degrees of freedom of an orientation: 0, 1 or 3.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
+    /// use protomer_kernel::shape::builders::by_name;
+    /// let cube = HardBody::<3>::new(&by_name("cube")?, 0.0)?;
+    /// assert_eq!(Symmetry::of(&cube)?.degrees_of_freedom(), 3);
+    /// assert_eq!(Symmetry::of(&HardBody::<3>::ball(1.0)?)?.degrees_of_freedom(), 0);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn degrees_of_freedom(&self) -> usize {
         match (self.is_round, self.dimension) {
             (true, _) => 0,
@@ -109,6 +118,16 @@ impl Symmetry {
     }
 
     /// The potential u of an orientation about a wanted one; from 0 to 4.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
+    /// use protomer_kernel::{Rotation, Vec3, shape::builders::by_name};
+    /// let cube = Symmetry::of(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
+    /// let about_z = |degrees: f64| Rotation::new(degrees.to_radians() * Vec3::z());
+    /// assert!(cube.potential(&about_z(0.0), &about_z(90.0)) < 1e-12, "a quarter turn changes nothing");
+    /// assert!(cube.potential(&about_z(0.0), &about_z(45.0)) > 0.5);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn potential(&self, wanted: &Rotation, orientation: &Rotation) -> f64 {
         if self.is_round {
             return 0.0;
