@@ -555,8 +555,8 @@ mod tests {
                 ..DielectricModel::new(electrolyte)
             };
             let settings = SolveSettings {
-                spacing_angstrom: 0.6,
-                margin_angstrom: 30.0,
+                spacing_angstrom: 0.9,
+                margin_angstrom: 24.0,
                 ..COARSE
             };
             let solved = crate::solve(spheres, &dielectric, &settings).unwrap();
