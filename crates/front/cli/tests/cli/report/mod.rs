@@ -19,7 +19,7 @@ use std::process::Command;
 const SWEEP: &str = "sweep ring.json --salt 50mM,300mM --cutoff 30A --replicas 2 --sweeps 60 --equilibration 20 --seed 7 \
                      --trajectory-every 20 --quiet -o sweep";
 
-/// What a browser could load from elsewhere, or would have to.
+/// Addresses that a browser could load, or would have to, from elsewhere.
 const OUTSIDE: [&str; 6] = [
     "https://",
     "src=",

@@ -120,7 +120,7 @@ impl Place {
     }
 }
 
-/// One of the structures that the project comes with, gzipped, and its text.
+/// Structure of the project, gzipped, and its text.
 fn bundled(name: &str) -> (Vec<u8>, String) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../../data/structures")
