@@ -132,6 +132,40 @@ def test_a_frame_of_a_simulation(tmp_path, protomer, ending):
         check_file(path, report["chains"], expected)
 
 
+def test_a_trajectory_in_each_version_of_the_schema(tmp_path, protomer):
+    run = ["--bodies", 27, "--packing-fraction", 0.3, "--equilibration", 0, "--sweeps", 30, "--trajectory-every", 10]
+    protomer("hpmc", "run", "--shape", "cube", *run, "-o", tmp_path / "run", "--quiet", "--json")
+    with gsd.hoomd.open(str(tmp_path / "run/trajectory.gsd")) as trajectory:
+        frames = list(trajectory)
+    for schema, numbers in [("1.4", (1, 4)), ("2.0", (2, 0))]:
+        path = tmp_path / f"{schema}.gsd"
+        report = protomer("export", tmp_path / "run", "-o", path, "--schema", schema, "--json")
+        assert (report["schema"], report["frames"], report["bodies"]) == (schema, len(frames), 27)
+        with gsd.hoomd.open(str(path)) as copy:
+            assert copy.file.schema_version == numbers
+            check_frames(copy, frames)
+    # What another program writes in double precision comes back in either version.
+    double = tmp_path / "double.gsd"
+    with gsd.hoomd.open(str(double), "w", precision="double") as file:
+        file.extend(frames)
+    protomer("export", double, "-o", tmp_path / "single.gsd", "--schema", "1.4", "--json")
+    with gsd.hoomd.open(str(tmp_path / "single.gsd")) as copy:
+        check_frames(copy, frames)
+        assert copy[0].particles.position.dtype == np.float32
+
+
+def check_frames(copy, frames):
+    assert len(copy) == len(frames) > 1
+    for found, frame in zip(copy, frames):
+        assert found.configuration.step == frame.configuration.step
+        assert (found.particles.position == frame.particles.position).all()
+        assert (found.particles.orientation == frame.particles.orientation).all()
+        assert found.particles.type_shapes == frame.particles.type_shapes
+        assert {name: value.tolist() for name, value in found.log.items()} == {
+            name: value.tolist() for name, value in frame.log.items()
+        }
+
+
 def test_bound_poses(tmp_path, protomer):
     protomer("ingest", BPTI, "-o", tmp_path, "--name", "x", "--charges", "formal", "--quiet", "--json")
     pair = ["--salt", "300mM", "--relative-error", 0.1, "--most-directions", 4096]

@@ -1610,13 +1610,14 @@ def export(
     values: Literal["charge", "hydropathy"] | None = None,
     gather: bool = False,
     script: Literal["chimerax", "pymol"] | None = None,
+    schema: Literal["2.0", "1.4"] | None = None,
     threads: int | str | None = None,
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Write an assembly, or a frame of a simulation, as a PDB or mmCIF file with all atoms of the bodies,
     and a script for a viewer. Chains get new identifiers; a table in the file says which copy and chain
-    each was."""
+    each was. An output that ends in .gsd is a trajectory in another version of its schema."""
 
 def scattering(
     input: Path | str | Assembly,

@@ -5,8 +5,8 @@ use super::{Chunk, ChunkData, GsdFile, GsdWriter};
 use crate::{IoError, Result};
 use std::path::Path;
 
-const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
-const SCHEMA: &str = "hoomd";
+pub(super) const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
+pub(super) const SCHEMA: &str = "hoomd";
 const SCHEMA_VERSION: (u16, u16) = (1, 4);
 
 /// Writes frames, and continues a file from a checkpoint.

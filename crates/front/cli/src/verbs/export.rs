@@ -6,20 +6,23 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer_common::quantity;
-use protomer_protein_verbs::export::{ExportSettings, Frame, ResidueValues, Viewer, export};
+use protomer_protein_verbs::export::{
+    ExportSettings, Frame, ResidueValues, Schema, Viewer, export, export_trajectory, is_trajectory,
+};
 use std::path::PathBuf;
 
 /// Write an assembly, or a frame of a simulation, as a PDB or mmCIF file with all atoms of the
 /// bodies, and a script for a viewer. Chains get new identifiers; a table in the file says which
-/// copy and chain each was.
+/// copy and chain each was. An output that ends in .gsd is a trajectory in another version of its schema.
 #[derive(Debug, Args)]
 pub struct ExportArgs {
-    /// Assembly file, body file, or directory of a simulation or a sweep.
+    /// Assembly file, body file, or directory of a simulation or a sweep; for a trajectory also a .gsd
+    /// file and the directory of any other run.
     input: PathBuf,
-    /// Structure file to write: .pdb or .cif.
+    /// Structure file to write, .pdb or .cif, or trajectory, .gsd.
     #[arg(short, long)]
     output: PathBuf,
-    /// Frame of a simulation, counted from 0, or last [default: last].
+    /// Frame of a simulation, counted from 0, or last [default: last; for a trajectory all].
     #[arg(long, value_parser = Frame::parse, allow_hyphen_values = true)]
     frame: Option<Frame>,
     /// Salt concentration of a sweep, such as 100mM.
@@ -42,6 +45,9 @@ pub struct ExportArgs {
     /// --values, surfaces in the colours of the values.
     #[arg(long, value_parser = choice::<Viewer>())]
     script: Option<Viewer>,
+    /// Version of the HOOMD schema of a trajectory [default: 2.0].
+    #[arg(long, value_parser = choice::<Schema>())]
+    schema: Option<Schema>,
 }
 
 impl ExportArgs {
@@ -56,8 +62,12 @@ impl ExportArgs {
             values: self.values,
             gather: self.gather,
             script: self.script,
+            schema: self.schema,
             force: front.force(),
         };
-        Ok(Reply::of(export(&settings)?))
+        match is_trajectory(&settings.output) {
+            true => Ok(Reply::of(export_trajectory(&settings)?)),
+            false => Ok(Reply::of(export(&settings)?)),
+        }
     }
 }

@@ -1,5 +1,5 @@
 //! Back to atoms: assemblies, frames of trajectories and bound poses as PDB and mmCIF files, with
-//! scripts for viewers.
+//! scripts for viewers; and trajectories in another version of their schema.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -9,12 +9,14 @@
 //! | `structure_file` | the format by the name of the file |
 //! | `values` | a number per residue, to colour by |
 //! | `script` | scripts for ChimeraX and PyMOL |
+//! | `trajectory` | a trajectory in another version of its schema |
 
 mod gather;
 mod run_directory;
 mod script;
 mod source;
 mod structure_file;
+mod trajectory;
 mod values;
 
 pub use gather::gather;
@@ -22,6 +24,7 @@ pub use run_directory::assembly_of;
 pub use script::Viewer;
 pub use source::Frame;
 pub use structure_file::StructureFormat;
+pub use trajectory::{Schema, TrajectoryReport, export_trajectory, is_trajectory};
 pub use values::ResidueValues;
 
 use anyhow::{Result, bail};
@@ -67,6 +70,8 @@ pub struct ExportSettings {
     pub gather: bool,
     /// The viewer that a script is written for.
     pub script: Option<Viewer>,
+    /// Version of the schema of a trajectory; the newest if `None`.
+    pub schema: Option<Schema>,
     /// Whether existing files are replaced.
     pub force: bool,
 }
@@ -119,6 +124,13 @@ impl Answer for ExportReport {
 /// not fit the format, and files that exist or cannot be written.
 pub fn export(settings: &ExportSettings) -> Result<ExportReport> {
     let format = StructureFormat::of_path(&settings.output)?;
+    if settings.schema.is_some() {
+        bail!(
+            "--schema applies to trajectories, but {} is a structure file; leave it out, or name the \
+             output .gsd",
+            settings.output.display()
+        );
+    }
     let script = settings
         .script
         .map(|viewer| (viewer, viewer.path_beside(&settings.output)));

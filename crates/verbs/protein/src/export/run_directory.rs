@@ -16,33 +16,8 @@ pub(super) struct RunFiles {
 impl RunFiles {
     /// Finds the files in the directory of a sweep, or of one simulation of a sweep.
     pub(super) fn find(settings: &ExportSettings) -> Result<Self> {
-        let directory = settings.input.as_path();
-        let (sweep, simulation) = match ResultKind::of(directory) {
-            Some(ResultKind::Sweep) => (directory.to_owned(), simulation_of(directory, settings)?),
-            Some(ResultKind::Simulation) => (sweep_of(directory, settings)?, directory.to_owned()),
-            Some(ResultKind::Pair | ResultKind::PairCondition) => bail!(
-                "{0} holds the results of two bodies; their bound poses are files already: look for \
-                 folders 'poses' in {0}",
-                directory.display()
-            ),
-            Some(other) => bail!(
-                "{} holds {other}, which has no bodies; name the directory of a simulation or a sweep",
-                directory.display()
-            ),
-            None => bail!(
-                "{} holds no results; name an assembly file, or the directory of a simulation or a \
-                 sweep",
-                directory.display()
-            ),
-        };
-        let trajectory = simulation.join("trajectory.gsd");
-        if !trajectory.is_file() {
-            bail!(
-                "{} holds no trajectory; a run writes one after its equilibration, unless \
-                 --trajectory-every is 0",
-                simulation.display()
-            );
-        }
+        let (sweep, simulation) = simulation_in(settings)?;
+        let trajectory = trajectory_in(&simulation)?;
         let record = Record::read(&sweep)?;
         let assembly = assembly_of(&sweep, record.as_ref(), settings.assembly.as_deref());
         Ok(Self {
@@ -52,6 +27,52 @@ impl RunFiles {
             )?,
         })
     }
+}
+
+/// The trajectory in the directory of a run of any engine.
+pub(super) fn trajectory_of_run(settings: &ExportSettings) -> Result<PathBuf> {
+    let own = settings.input.join(TRAJECTORY);
+    match own.is_file() && settings.salt_molar.is_none() && settings.replica.is_none() {
+        true => Ok(own),
+        false => trajectory_in(&simulation_in(settings)?.1),
+    }
+}
+
+const TRAJECTORY: &str = "trajectory.gsd";
+
+fn trajectory_in(simulation: &Path) -> Result<PathBuf> {
+    let trajectory = simulation.join(TRAJECTORY);
+    if !trajectory.is_file() {
+        bail!(
+            "{} holds no trajectory; a run writes one after its equilibration, unless \
+             --trajectory-every is 0",
+            simulation.display()
+        );
+    }
+    Ok(trajectory)
+}
+
+/// Directories of the sweep and of the requested simulation of it.
+fn simulation_in(settings: &ExportSettings) -> Result<(PathBuf, PathBuf)> {
+    let directory = settings.input.as_path();
+    Ok(match ResultKind::of(directory) {
+        Some(ResultKind::Sweep) => (directory.to_owned(), simulation_of(directory, settings)?),
+        Some(ResultKind::Simulation) => (sweep_of(directory, settings)?, directory.to_owned()),
+        Some(ResultKind::Pair | ResultKind::PairCondition) => bail!(
+            "{0} holds the results of two bodies; their bound poses are files already: look for \
+             folders 'poses' in {0}",
+            directory.display()
+        ),
+        Some(other) => bail!(
+            "{} holds {other}, which has no bodies; name the directory of a simulation or a sweep",
+            directory.display()
+        ),
+        None => bail!(
+            "{} holds no results; name an assembly file, or the directory of a simulation or a \
+             sweep",
+            directory.display()
+        ),
+    })
 }
 
 /// The requested simulation of a sweep.

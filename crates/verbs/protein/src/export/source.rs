@@ -77,7 +77,8 @@ impl Source {
                 Ok(Self::of_assembly(assembly, input.display().to_string()))
             }
             "gsd" => bail!(
-                "{} has no atoms; name the directory of the run, whose assembly names the bodies",
+                "{} has no atoms; name the directory of the run, whose assembly names the bodies, or an \
+                 output that ends in .gsd",
                 input.display()
             ),
             "pdb" | "ent" | "cif" | "mmcif" | "pqr" | "gz" => bail!(

@@ -31,7 +31,7 @@ impl StructureFormat {
             "pdb" | "ent" => Ok(Self::Pdb),
             "cif" | "mmcif" => Ok(Self::Mmcif),
             _ => bail!(
-                "{} ends in neither .pdb nor .cif; choose one of them",
+                "{} ends in none of .pdb, .cif and .gsd; choose one of them",
                 path.display()
             ),
         }
