@@ -35,7 +35,7 @@ pub fn read_assembly(py: Python<'_>, path: PathBuf) -> PyResult<Parts<'_>> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut kinds = Vec::new();
     for (entry, body) in file.bodies.into_iter().zip(&assembly.bodies) {
-        kinds.push((entry.name, folder.join(entry.file), Body::of(body)));
+        kinds.push((entry.name, folder.join(entry.file), Body::from_body(body)));
     }
     let placed = file.placements.into_iter().map(|placement| placement.body);
     Ok((

@@ -262,7 +262,7 @@ impl Body {
 }
 
 impl Body {
-    pub(crate) fn of(body: &protomer_body::Body) -> Self {
+    pub(crate) fn from_body(body: &protomer_body::Body) -> Self {
         Self { body: body.clone() }
     }
 

@@ -49,11 +49,11 @@ struct Question {
 impl Question {
     fn classes(&self, labels: &[&str]) -> Result<Classes, LearnError> {
         if !self.numbers {
-            return Classes::of(labels, Target::Label, self.least_samples);
+            return Classes::from_labels(labels, Target::Label, self.least_samples);
         }
         let numbers = labels.iter().map(|label| number(label));
         let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
-        let classes = NumberClasses::of(&numbers, self.number_classes)?;
+        let classes = NumberClasses::from_numbers(&numbers, self.number_classes)?;
         Ok(Classes::of_numbers(&numbers, &classes))
     }
 

@@ -47,7 +47,7 @@ impl LiveSimulation {
             }
         };
         let engine = py.detach(begin).map_err(|error| raised(&error))?;
-        Self::of(py, engine)
+        Self::from_engine(py, engine)
     }
 
     /// Begins the simulation of an assembly by the words of `simulate`; also its warnings.
@@ -61,7 +61,7 @@ impl LiveSimulation {
         let arrays = arrays.map(given);
         let begin = || protomer_cli::simulation(&words, arrays);
         let (engine, warnings) = py.detach(begin).map_err(|error| raised(&error))?;
-        Ok((Self::of(py, engine)?, warnings))
+        Ok((Self::from_engine(py, engine)?, warnings))
     }
 
     /// The arrays of the state by name, those that are filled again after every change.
@@ -162,7 +162,7 @@ impl LiveSimulation {
 
 impl LiveSimulation {
     /// A simulation with arrays for its state.
-    fn of(py: Python<'_>, engine: Box<dyn Live>) -> PyResult<Self> {
+    fn from_engine(py: Python<'_>, engine: Box<dyn Live>) -> PyResult<Self> {
         let mut arrays = BTreeMap::new();
         for Column { name, columns } in engine.arrays() {
             let array = PyArray2::<f64>::zeros(py, [engine.count(), columns], false);

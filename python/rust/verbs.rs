@@ -41,7 +41,7 @@ pub fn call(py: Python<'_>, words: Vec<String>, progress: Option<Py<PyAny>>) -> 
     };
     let (ended, end) = channel();
     let thread = std::thread::spawn(move || {
-        let answer = protomer_cli::call(&words, host).and_then(Answer::of);
+        let answer = protomer_cli::call(&words, host).and_then(Answer::from_reply);
         // Nobody listens any more only if the interpreter goes down.
         let _ = ended.send(());
         answer
@@ -80,7 +80,7 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(reply: Reply) -> anyhow::Result<Self> {
+    fn from_reply(reply: Reply) -> anyhow::Result<Self> {
         Ok(Self {
             outcome: reply.outcome(),
             value: reply.value()?.unwrap_or_default(),
@@ -177,7 +177,7 @@ pub fn take_apart(
         verb,
         flags,
         places,
-    } = Command::of(&words).map_err(|error| exception(&error.into()))?;
+    } = Command::from_words(&words).map_err(|error| exception(&error.into()))?;
     Ok((verb, flags, places))
 }
 

@@ -22,7 +22,7 @@ pub struct Occupied {
 }
 
 impl Occupied {
-    fn of(geometry: &Geometry, numbers: &[f32]) -> Self {
+    fn from_numbers(geometry: &Geometry, numbers: &[f32]) -> Self {
         let [depth, height, width] = geometry.padded_edges();
         // One bit stands for so many voxels that a row fits into 128.
         let grain = width.div_ceil(u128::BITS as usize);
@@ -148,7 +148,7 @@ impl Padded {
             }
         }
         let occupied = (look_for_zeros && is_sparse(sample, LARGEST_FILL))
-            .then(|| Occupied::of(geometry, &numbers));
+            .then(|| Occupied::from_numbers(geometry, &numbers));
         Self { numbers, occupied }
     }
 }

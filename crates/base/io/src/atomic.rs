@@ -39,15 +39,15 @@ pub fn write_atomically(
     let (mut temporary, file) = Temporary::create(path)?;
     let mut writer = BufWriter::new(file);
     // On every early return from here on, `temporary` removes its file.
-    write(&mut writer).map_err(IoError::at(path, "write"))?;
+    write(&mut writer).map_err(IoError::file(path, "write"))?;
     // By hand: a writer that is dropped flushes too, but swallows the error of a full disk.
-    writer.flush().map_err(IoError::at(path, "write"))?;
+    writer.flush().map_err(IoError::file(path, "write"))?;
     let file = writer.get_ref();
     // Before the rename: a name on disk must not lead to content that is not.
-    file.sync_all().map_err(IoError::at(path, "write"))?;
+    file.sync_all().map_err(IoError::file(path, "write"))?;
     // Closed before the rename, which some systems refuse for an open file.
     drop(writer);
-    fs::rename(&temporary.path, path).map_err(IoError::at(path, "write"))?;
+    fs::rename(&temporary.path, path).map_err(IoError::file(path, "write"))?;
     // The name is taken now; dropping must not remove the result.
     temporary.renamed = true;
     sync_folder(path)
@@ -79,7 +79,7 @@ fn write_into(
 ) -> Result<()> {
     let mut writer = BufWriter::new(stream);
     let written = write(&mut writer).and_then(|()| writer.flush());
-    written.map_err(IoError::at(path, "write"))
+    written.map_err(IoError::file(path, "write"))
 }
 
 /// Removes the temporary files that [`write_atomically`] left in a folder when its process was
@@ -107,12 +107,12 @@ pub fn remove_abandoned(folder: &Path) -> Result<()> {
 /// # Errors
 /// As [`remove_abandoned`].
 pub fn remove_abandoned_of(folder: &Path, is_own: impl Fn(&str) -> bool) -> Result<()> {
-    let entries = fs::read_dir(folder).map_err(IoError::at(folder, "read"))?;
+    let entries = fs::read_dir(folder).map_err(IoError::file(folder, "read"))?;
     for entry in entries {
-        let entry = entry.map_err(IoError::at(folder, "read"))?;
+        let entry = entry.map_err(IoError::file(folder, "read"))?;
         // Only names of this form: other hidden files in a user's folder are none of ours.
         if name_of_temporary(&entry.file_name().to_string_lossy()).is_some_and(&is_own) {
-            fs::remove_file(entry.path()).map_err(IoError::at(&entry.path(), "remove"))?;
+            fs::remove_file(entry.path()).map_err(IoError::file(&entry.path(), "remove"))?;
         }
     }
     Ok(())
@@ -143,7 +143,7 @@ impl Temporary {
         let Some(name) = path.file_name() else {
             let kind = std::io::ErrorKind::InvalidInput;
             let no_name = std::io::Error::new(kind, "it has no file name");
-            return Err(IoError::at(path, "write")(no_name));
+            return Err(IoError::file(path, "write")(no_name));
         };
         let name = name.to_string_lossy();
         let process = std::process::id();
@@ -157,7 +157,7 @@ impl Temporary {
         options.write(true).create(true).truncate(true);
         let file = options
             .open(&temporary)
-            .map_err(IoError::at(path, "write"))?;
+            .map_err(IoError::file(path, "write"))?;
         let temporary = Self {
             path: temporary,
             renamed: false,
@@ -184,7 +184,7 @@ fn sync_folder(path: &Path) -> Result<()> {
     };
     File::open(folder)
         .and_then(|folder| folder.sync_all())
-        .map_err(IoError::at(path, "sync the folder of"))
+        .map_err(IoError::file(path, "sync the folder of"))
 }
 
 /// Other systems have no sync of folders.
@@ -200,7 +200,7 @@ fn sync_folder(_: &Path) -> Result<()> {
 /// assert_eq!(hash, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 /// ```
 pub fn sha256_hex(bytes: &[u8]) -> String {
-    Digest::of(bytes).to_string()
+    Digest::hash(bytes).to_string()
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ impl Destination {
             }
             match fs::symlink_metadata(&file) {
                 Ok(metadata) if metadata.is_symlink() => {
-                    let target = fs::read_link(&file).map_err(IoError::at(path, "follow"))?;
+                    let target = fs::read_link(&file).map_err(IoError::file(path, "follow"))?;
                     // An absolute target replaces the whole path.
                     file = file.parent().unwrap_or(Path::new("")).join(target);
                 }
@@ -103,7 +103,7 @@ fn open(path: &Path) -> Result<File> {
     options.append(true);
     // Opening a pipe waits for a reader. A first opening that does not wait tells whether there is one.
     let _reader_is_there = probe(&options, path)?;
-    options.open(path).map_err(IoError::at(path, "write"))
+    options.open(path).map_err(IoError::file(path, "write"))
 }
 
 #[cfg(unix)]
@@ -120,7 +120,7 @@ fn probe(options: &OpenOptions, path: &Path) -> Result<Option<File>> {
             path,
             "it is a pipe that nobody reads; start its reader first",
         )),
-        Err(error) => Err(IoError::at(path, "write")(error)),
+        Err(error) => Err(IoError::file(path, "write")(error)),
     }
 }
 
@@ -138,7 +138,7 @@ fn refused(path: &Path, metadata: &fs::Metadata) -> IoError {
 }
 
 fn other(path: &Path, reason: &str) -> IoError {
-    IoError::at(path, "write")(std::io::Error::other(reason.to_owned()))
+    IoError::file(path, "write")(std::io::Error::other(reason.to_owned()))
 }
 
 #[cfg(all(test, unix))]

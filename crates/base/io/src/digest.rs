@@ -10,8 +10,8 @@ use std::io::Write;
 /// ```
 /// use protomer_io::digest::Digest;
 /// let hash = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-/// assert_eq!(Digest::of(b"abc").to_string(), hash);
-/// assert_eq!(Digest::from_hex(hash), Some(Digest::of(b"abc")));
+/// assert_eq!(Digest::hash(b"abc").to_string(), hash);
+/// assert_eq!(Digest::from_hex(hash), Some(Digest::hash(b"abc")));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Digest([u8; 32]);
@@ -21,10 +21,10 @@ impl Digest {
     ///
     /// ```
     /// use protomer_io::digest::Digest;
-    /// assert_eq!(Digest::of(b"").to_string()[..8], *"e3b0c442");
-    /// assert_ne!(Digest::of(b"abc"), Digest::of(b"abc\n"));
+    /// assert_eq!(Digest::hash(b"").to_string()[..8], *"e3b0c442");
+    /// assert_ne!(Digest::hash(b"abc"), Digest::hash(b"abc\n"));
     /// ```
-    pub fn of(bytes: &[u8]) -> Self {
+    pub fn hash(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
     }
 
@@ -33,7 +33,7 @@ impl Digest {
     /// ```
     /// use protomer_io::digest::Digest;
     /// let written = Digest::of_written(|writer| write!(writer, "{}{}", "ab", "c"))?;
-    /// assert_eq!(written, Digest::of(b"abc"));
+    /// assert_eq!(written, Digest::hash(b"abc"));
     /// # Ok::<(), std::io::Error>(())
     /// ```
     ///
@@ -52,7 +52,7 @@ impl Digest {
     ///
     /// ```
     /// use protomer_io::digest::Digest;
-    /// assert_eq!(Digest::of(b"abc").short(), 0xba78_16bf_8f01_cfea);
+    /// assert_eq!(Digest::hash(b"abc").short(), 0xba78_16bf_8f01_cfea);
     /// ```
     pub fn short(&self) -> u64 {
         let [a, b, c, d, e, f, g, h, ..] = self.0;
@@ -109,8 +109,8 @@ mod tests {
 
     #[test]
     fn only_what_is_displayed_is_read() {
-        let shown = Digest::of(b"").to_string();
-        assert_eq!(Digest::from_hex(&shown), Some(Digest::of(b"")));
+        let shown = Digest::hash(b"").to_string();
+        assert_eq!(Digest::from_hex(&shown), Some(Digest::hash(b"")));
         for other in [
             "",
             "e3",
@@ -132,7 +132,7 @@ mod tests {
                     .chunks(pieces)
                     .try_for_each(|piece| writer.write_all(piece))
             });
-            assert_eq!(written.unwrap(), Digest::of(text.as_bytes()));
+            assert_eq!(written.unwrap(), Digest::hash(text.as_bytes()));
         }
     }
 }

@@ -82,7 +82,7 @@ impl IoError {
     }
 
     /// Converts an operating system error to one that names the file and the attempted operation.
-    pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
+    pub(crate) fn file(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |cause| IoError::File {
             path,

@@ -24,11 +24,11 @@ const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// [`IoError::Parse`] for a damaged gzip file.
 pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
     let name = path.display().to_string();
-    let file = crate::input::open(path).map_err(IoError::at(path, "open"))?;
-    let metadata = file.metadata().map_err(IoError::at(path, "read"))?;
+    let file = crate::input::open(path).map_err(IoError::file(path, "open"))?;
+    let metadata = file.metadata().map_err(IoError::file(path, "read"))?;
     if metadata.is_dir() {
         let is_folder = std::io::Error::new(std::io::ErrorKind::IsADirectory, "it is a folder");
-        return Err(IoError::at(path, "read")(is_folder));
+        return Err(IoError::file(path, "read")(is_folder));
     }
     // The length of a regular file is known before any of it is read.
     if metadata.len() > limit_bytes {
@@ -58,7 +58,7 @@ fn read_bounded(path: &Path, mut reader: impl Read, limit_bytes: u64) -> Result<
     (&mut reader)
         .take(GZIP_MAGIC.len() as u64)
         .read_to_end(&mut start)
-        .map_err(IoError::at(path, "read"))?;
+        .map_err(IoError::file(path, "read"))?;
     let compressed = start == GZIP_MAGIC;
     // The first two bytes were taken from the reader and go back in front.
     let whole = start.as_slice().chain(reader);
@@ -78,7 +78,7 @@ fn read_bounded(path: &Path, mut reader: impl Read, limit_bytes: u64) -> Result<
         whole
             .take(bound)
             .read_to_end(&mut content)
-            .map_err(IoError::at(path, "read"))?;
+            .map_err(IoError::file(path, "read"))?;
     }
     if content.len() as u64 > limit_bytes {
         return Err(too_large(&name, limit_bytes, compressed));

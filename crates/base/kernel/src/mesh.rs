@@ -374,7 +374,7 @@ impl TriangleMesh {
     /// Checks that every vertex is used and that its triangles form a single closed fan.
     fn check_vertex_fans(&self, fans: &Fans) -> Result<()> {
         for vertex in 0..self.vertices.len() as u32 {
-            let fan = fans.of(vertex);
+            let fan = fans.leaving(vertex);
             if fan.is_empty() {
                 return bad_mesh(format!("vertex {vertex} belongs to no triangle"));
             }
@@ -431,14 +431,14 @@ impl Fans {
         Self { start, leaving }
     }
 
-    fn of(&self, vertex: u32) -> &[Leaving] {
+    fn leaving(&self, vertex: u32) -> &[Leaving] {
         let [first, end] = [vertex, vertex + 1].map(|v| self.start[v as usize] as usize);
         &self.leaving[first..end]
     }
 
     /// The edge between two vertices in this direction, of the first triangle that has it.
     fn edge(&self, from: u32, to: u32) -> Option<&Leaving> {
-        let fan = self.of(from);
+        let fan = self.leaving(from);
         let place = fan.partition_point(|edge| edge.to < to);
         fan.get(place).filter(|edge| edge.to == to)
     }
@@ -446,7 +446,7 @@ impl Fans {
     /// Number of triangles around a vertex that follow one another from its first edge.
     fn turn(&self, vertex: u32) -> usize {
         let mut length = 0;
-        let mut current = self.of(vertex).first();
+        let mut current = self.leaving(vertex).first();
         let first = current.map(|edge| edge.to);
         while let Some(edge) = current {
             // A closed mesh leads back to the first edge; `edge` ends the walk where it does not.

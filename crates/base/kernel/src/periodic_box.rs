@@ -323,10 +323,10 @@ impl<const D: usize> PeriodicBox<D> {
     /// ```
     /// use protomer_kernel::periodic_box::PeriodicBox;
     /// let space = PeriodicBox::new([4.0, 2.0], &[0.5])?;
-    /// assert_eq!(space.at(&[0.5, 0.5]), [2.5, 1.0], "the middle");
+    /// assert_eq!(space.point(&[0.5, 0.5]), [2.5, 1.0], "the middle");
     /// # Ok::<(), protomer_kernel::KernelError>(())
     /// ```
-    pub fn at(&self, parts: &[f64; D]) -> [f64; D] {
+    pub fn point(&self, parts: &[f64; D]) -> [f64; D] {
         self.sheared(&std::array::from_fn(|axis| {
             parts[axis] * self.lengths[axis]
         }))

@@ -35,10 +35,10 @@ impl Scale {
     /// The scale of the x axis that all panels share.
     pub fn of_x(figure: &Figure) -> Self {
         let values = figure.panels.iter().flat_map(Panel::values).map(|[x, _]| x);
-        Self::of(&figure.x, values, 0.04)
+        Self::from_axis(&figure.x, values, 0.04)
     }
 
-    fn of(axis: &Axis, values: impl Iterator<Item = f64>, room: f64) -> Self {
+    fn from_axis(axis: &Axis, values: impl Iterator<Item = f64>, room: f64) -> Self {
         let range = axis.range.unwrap_or_else(|| padded(values, axis.log, room));
         Self {
             range,
@@ -126,7 +126,7 @@ pub(crate) struct Vertical {
 impl Vertical {
     /// The axis of a panel of this height, its label in letters of this size.
     pub fn new(panel: &Panel, height: f64, label_size: f64, least_shrunk: f64) -> Self {
-        let scale = Scale::of(&panel.y, y_values(panel), 0.07);
+        let scale = Scale::from_axis(&panel.y, y_values(panel), 0.07);
         // Two ticks at least, or an axis has no scale to read.
         let count = (height / Y_TICK_DISTANCE).round().max(2.0) as usize;
         Self {

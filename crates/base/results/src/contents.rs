@@ -9,7 +9,7 @@ use std::path::Path;
 
 impl ResultKind {
     /// The kind of results in a directory; `None` if there are none that can be recognised.
-    pub fn of(directory: &Path) -> Option<Self> {
+    pub fn detect(directory: &Path) -> Option<Self> {
         // What a directory states counts before what its files look like.
         recorded(directory).or_else(|| earlier::kind_of(directory))
     }
@@ -19,7 +19,7 @@ impl ResultKind {
     /// # Errors
     /// [`Error::OtherKind`].
     pub fn refuse_other(&self, directory: &Path) -> Result<()> {
-        match Self::of(directory) {
+        match Self::detect(directory) {
             Some(other) if other != *self => Err(Error::OtherKind {
                 path: directory.to_owned(),
                 holds: other,
@@ -35,7 +35,7 @@ impl ResultKind {
     /// # Errors
     /// [`Error::OtherKind`].
     pub fn refuse_in(&self, directory: &Path) -> Result<()> {
-        match Self::of(directory) {
+        match Self::detect(directory) {
             Some(kind) if kind == *self => Err(Error::OtherKind {
                 path: directory.to_owned(),
                 holds: kind,
@@ -51,7 +51,7 @@ impl ResultKind {
     /// # Errors
     /// [`Error::OtherKind`] says what it should hold.
     pub fn expect_in(&self, directory: &Path) -> Result<()> {
-        match Self::of(directory) {
+        match Self::detect(directory) {
             Some(other) if other != *self => Err(Error::OtherKind {
                 path: directory.to_owned(),
                 holds: other,
@@ -191,7 +191,7 @@ mod tests {
             for (name, text) in files {
                 std::fs::write(folder.path().join(name), text).unwrap();
             }
-            assert_eq!(ResultKind::of(folder.path()), expected, "{files:?}");
+            assert_eq!(ResultKind::detect(folder.path()), expected, "{files:?}");
         }
     }
 }

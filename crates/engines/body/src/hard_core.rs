@@ -136,7 +136,7 @@ mod tests {
     fn overlap_at(distance_angstrom: f64, core: HardCore) -> bool {
         let [acceptor, donor] = [false, true].map(|donor| group(donor, core).body);
         let tip = |body: &crate::Body| body.sites[2].position;
-        let hard = [&acceptor, &donor].map(|body| HardBody::of(body).unwrap());
+        let hard = [&acceptor, &donor].map(|body| HardBody::from_body(body).unwrap());
         let position = tip(&acceptor) + Vec3::new(distance_angstrom, 0.0, 0.0) - tip(&donor);
         let there = Pose {
             position,

@@ -233,7 +233,7 @@ mod tests {
                         of_value += source.strength.abs() / r;
                         of_slope += source.strength.abs() / (r * r);
                     }
-                    let (found, exact) = (at_edge.at(&edge), direct_at_edge.at(&edge));
+                    let (found, exact) = (at_edge.value_at(&edge), direct_at_edge.value_at(&edge));
                     let slopes = [found.slope - exact.slope, (found.flux - exact.flux) / 0.25];
                     let values = [
                         points.coulomb(&place) - direct.coulomb(&place),

@@ -28,7 +28,7 @@ use protomer_kernel::Vec3;
 /// // Ions of 2 Å come as near as b = 4 Å.
 /// let kappa = saline.inverse_debye_length_per_angstrom();
 /// let at_closest_approach = saline.bjerrum_length_angstrom() / (4.0 * (1.0 + 4.0 * kappa));
-/// let found = potential.at(&Vec3::new(4.0, 0.0, 0.0));
+/// let found = potential.value_at(&Vec3::new(4.0, 0.0, 0.0));
 /// assert!((found / at_closest_approach - 1.0).abs() < 1e-12);
 /// # Ok::<(), protomer_kernel::KernelError>(())
 /// ```
@@ -101,7 +101,7 @@ impl Superposition {
     }
 
     /// The potential at a place, kT/e; inside a sphere it is that at its surface.
-    pub fn at(&self, place: &Vec3) -> f64 {
+    pub fn value_at(&self, place: &Vec3) -> f64 {
         self.direct.screened(place, self.kappa)
     }
 
@@ -114,15 +114,15 @@ impl Superposition {
     /// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 2.0, charge_e: 1.0 };
     /// let potential = Superposition::new(&[ion], &DielectricModel::new(saline));
     /// let grid = Grid { origin_angstrom: [4.0, 0.0, 0.0], spacing_angstrom: 2.0, shape: [3, 1, 1] };
-    /// let field = potential.on(grid);
-    /// assert_eq!(field.values[1], potential.at(&Vec3::new(6.0, 0.0, 0.0)));
+    /// let field = potential.tabulate(grid);
+    /// assert_eq!(field.values[1], potential.value_at(&Vec3::new(6.0, 0.0, 0.0)));
     /// assert!(field.values[0] > field.values[1] && field.values[1] > field.values[2]);
     /// # Ok::<(), protomer_kernel::KernelError>(())
     /// ```
-    pub fn on(&self, grid: Grid) -> ScalarField {
+    pub fn tabulate(&self, grid: Grid) -> ScalarField {
         let mut values = vec![0.0; grid.len()];
         set_points(grid.shape, &mut values, |[i, j, k], value| {
-            *value = self.at(&grid.point(i, j, k));
+            *value = self.value_at(&grid.point(i, j, k));
         });
         ScalarField { grid, values }
     }

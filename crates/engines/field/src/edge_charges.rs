@@ -88,11 +88,11 @@ impl EdgeCharges {
 
     vectorised!(
         /// Sums over all charges.
-        pub fn at[at_avx512, at_avx2, at_any](self: &Self, edge: &EdgePlace) -> AtEdge
+        pub fn value_at[value_at_avx512, value_at_avx2, value_at_any](self: &Self, edge: &EdgePlace) -> AtEdge
     );
 
     #[inline(always)]
-    fn at_any(&self, edge: &EdgePlace) -> AtEdge {
+    fn value_at_any(&self, edge: &EdgePlace) -> AtEdge {
         let length = edge.length as f32;
         let [exact, near] = [EXACT_IN_EDGES as f32, NEAR_IN_EDGES as f32];
         // Squared, as distances are compared without their roots.
@@ -408,7 +408,7 @@ pub(crate) mod tests {
                 offset: rng.uniform_in(-0.35, 0.35),
             };
             let charges = EdgeCharges::new(vec![charge], Vec3::new(1.0, -3.0, 2.0));
-            let potential = charges.at(&edge);
+            let potential = charges.value_at(&edge);
             let mut offset = edge.middle - charge.place;
             let r = offset.norm();
             let whole = 1.3 * (edge.length / r).powi(2);
@@ -424,7 +424,7 @@ pub(crate) mod tests {
                 (potential.slope - slope).abs() < 4e-4 * 1.3 / (r * r),
                 "{r}: {potential:?}"
             );
-            assert_eq!(potential, charges.at_any(&edge));
+            assert_eq!(potential, charges.value_at_any(&edge));
         }
     }
 
@@ -448,7 +448,7 @@ pub(crate) mod tests {
                     edge.add(charge, &mut slow);
                     scale += charge.strength.abs() / (edge.middle - charge.place).norm();
                 }
-                let fast = together.at(&edge);
+                let fast = together.value_at(&edge);
                 assert!(
                     (fast.value - slow.value).abs() < 1e-6 * scale,
                     "{fast:?} {slow:?}"
@@ -461,7 +461,7 @@ pub(crate) mod tests {
                     (fast.flux - slow.flux).abs() < 1e-6 * scale,
                     "{fast:?} {slow:?}"
                 );
-                assert_eq!(fast, together.at_any(&edge));
+                assert_eq!(fast, together.value_at_any(&edge));
             }
         }
     }

@@ -98,7 +98,7 @@ impl FarCharges {
     }
 
     /// Potential, slope and flux of the charges at an edge with its middle in the ball.
-    pub fn at(&self, edge: &EdgePlace) -> AtEdge {
+    pub fn value_at(&self, edge: &EdgePlace) -> AtEdge {
         let offset = edge.middle - self.middle;
         let [axis, first, second] = edge.axes();
         let coefficients = self.coefficients.as_flattened().as_flattened();
@@ -230,8 +230,8 @@ mod tests {
             let far = FarCharges::new(&[charge], middle);
             let edge = edge(middle + rng.vector_in_ball(radius), &mut rng, turn);
             let (found, exact) = (
-                far.at(&edge),
-                EdgeCharges::new(vec![charge], middle).at(&edge),
+                far.value_at(&edge),
+                EdgeCharges::new(vec![charge], middle).value_at(&edge),
             );
             let part = radius / distance;
             let bound = part.powi(POWERS as i32) / (1.0 - part) * 1.7 / distance;
@@ -262,7 +262,7 @@ mod tests {
             );
             for turn in 0..60 {
                 let edge = edge(middle + rng.vector_in_ball(radius), &mut rng, turn);
-                let (found, exact) = (far.at(&edge), direct.at(&edge));
+                let (found, exact) = (far.value_at(&edge), direct.value_at(&edge));
                 let (mut of_value, mut of_slope) = (0.0, 0.0);
                 for charge in &charges {
                     let inverse = 1.0 / (charge.place - edge.middle).norm();

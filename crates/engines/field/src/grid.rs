@@ -361,10 +361,10 @@ impl ScalarField {
     /// use protomer_kernel::Vec3;
     /// let grid = Grid { origin_angstrom: [0.0; 3], spacing_angstrom: 1.0, shape: [2, 2, 2] };
     /// let field = ScalarField { grid, values: vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0] };
-    /// assert_eq!(field.at(&Vec3::new(0.25, 0.5, 0.5)), Some(0.25));
-    /// assert_eq!(field.at(&Vec3::new(1.5, 0.5, 0.5)), None);
+    /// assert_eq!(field.value_at(&Vec3::new(0.25, 0.5, 0.5)), Some(0.25));
+    /// assert_eq!(field.value_at(&Vec3::new(1.5, 0.5, 0.5)), None);
     /// ```
-    pub fn at(&self, place: &Vec3) -> Option<f64> {
+    pub fn value_at(&self, place: &Vec3) -> Option<f64> {
         let corners = self.grid.trilinear(place)?;
         Some(corners.interpolate(|point| self.values[point]))
     }

@@ -74,11 +74,11 @@ impl ScreenedSum {
 
     vectorised!(
         /// Σ s_i exp(-κ r_i) / r_i.
-        pub fn at[at_avx512, at_avx2, at_any](self: &Self, place: &Vec3) -> f64
+        pub fn value_at[value_at_avx512, value_at_avx2, value_at_any](self: &Self, place: &Vec3) -> f64
     );
 
     #[inline(always)]
-    fn at_any(&self, place: &Vec3) -> f64 {
+    fn value_at_any(&self, place: &Vec3) -> f64 {
         let [x, y, z] = (place - self.middle).map(|x| x as f32).into();
         let mut sums = [0.0; LANES];
         for group in &self.groups {
@@ -127,13 +127,13 @@ mod tests {
                         exact += term;
                         size += f64::abs(term);
                     }
-                    let found = sum.at(&place);
+                    let found = sum.value_at(&place);
                     let bound = (2e-6 + 3e-6 * kappa) * size + 1e-30;
                     assert!(
                         (found - exact).abs() < bound,
                         "{kappa} {found} {exact} {size}"
                     );
-                    assert_eq!(found.to_bits(), sum.at_any(&place).to_bits());
+                    assert_eq!(found.to_bits(), sum.value_at_any(&place).to_bits());
                 }
             }
         }
@@ -147,7 +147,7 @@ mod tests {
             strength: 2.0,
             least_distance_angstrom: 1.5,
         };
-        let found = ScreenedSum::new(&[source], Vec3::zeros(), 0.2).at(&source.place);
+        let found = ScreenedSum::new(&[source], Vec3::zeros(), 0.2).value_at(&source.place);
         let exact = 2.0 * (-0.2_f64 * 1.5).exp() / 1.5;
         assert!((found / exact - 1.0).abs() < 1e-6);
     }
@@ -163,7 +163,7 @@ mod tests {
         };
         let middle = Vec3::new(210.0, 0.0, 0.0);
         let place = middle + Vec3::new(3.0, 5.0, 0.0);
-        let found = ScreenedSum::new(&[source], middle, kappa).at(&place);
+        let found = ScreenedSum::new(&[source], middle, kappa).value_at(&place);
         let r = place.norm();
         let exact = f64::exp(kappa * (b - r)) / r;
         assert!((found / exact - 1.0).abs() < 2e-5, "{found} {exact}");

@@ -311,7 +311,7 @@ impl<const D: usize> Around<D> {
         let is_covered = |(kind, points): &(Depletant, Vec<[f64; D]>)| {
             points.iter().any(|parts| {
                 // By the edges of before, deformed: those of the new box may be other ones of the same images.
-                let place = edges.at(parts);
+                let place = edges.point(parts);
                 let moved = deformation.map(|row| dot(&row, &place));
                 system.is_covered(&system.space.wrap(&moved), kind.radius)
             })

@@ -122,7 +122,7 @@ impl<const D: usize> UnitCell<D> {
                         let [from, to] = [number, other].map(|site| self.sites[site].place[axis]);
                         to - from + shift[axis]
                     });
-                    let vector = self.space.at(&parts);
+                    let vector = self.space.point(&parts);
                     let bond = Vec3::from_fn(|axis, _| vector.get(axis).copied().unwrap_or(0.0));
                     if bond.norm() > SAME {
                         bonds.push(bond);
@@ -359,8 +359,9 @@ impl<const D: usize> Crystal<D> {
                 index /= repeats[axis];
             }
             for site in &cell.sites {
-                positions
-                    .push(scaled.at(&std::array::from_fn(|axis| corner[axis] + site.place[axis])));
+                positions.push(
+                    scaled.point(&std::array::from_fn(|axis| corner[axis] + site.place[axis])),
+                );
                 rotations.push(site.rotation);
             }
         }
@@ -496,7 +497,7 @@ impl<const D: usize> Crystal<D> {
             // Neighbouring cells, 3^D of them, by digits in base three.
             for image in 0..3_usize.pow(D as u32) {
                 let mut quotient = image;
-                let translation = cell.at(&std::array::from_fn(|axis| {
+                let translation = cell.point(&std::array::from_fn(|axis| {
                     let shift = (quotient % 3) as f64 - 1.0;
                     quotient /= 3;
                     site.place[axis] - first.place[axis] + shift
@@ -741,7 +742,7 @@ mod tests {
     #[test]
     fn translations_are_counted_with_orientations() {
         let body = HardBody::<3>::new(&by_name("tetrahedron").unwrap(), 0.0).unwrap();
-        let symmetry = Symmetry::of(&body).unwrap();
+        let symmetry = Symmetry::find(&body).unwrap();
         for (name, bodies, sites) in [
             ("fcc", 108, 1.0),
             ("hcp", 96, 2.0),

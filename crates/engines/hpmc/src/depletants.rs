@@ -225,7 +225,7 @@ impl<const D: usize> System<D> {
         let mut arrived = exponential(rng);
         while arrived < expected {
             let parts = std::array::from_fn(|_| rng.uniform());
-            if !self.is_covered(&self.space.at(&parts), kind.radius) {
+            if !self.is_covered(&self.space.point(&parts), kind.radius) {
                 points.push(parts);
             }
             arrived += exponential(rng);

@@ -33,7 +33,7 @@ use std::f64::consts::PI;
 /// use protomer_hpmc::{einstein::Springs, symmetry::Symmetry};
 /// let ball = HardBody::<3>::ball(0.5)?;
 /// let crystal = Crystal::new(&UnitCell::by_name("fcc")?, &ball, 32, 0.5)?;
-/// let springs = Springs::new(&crystal, &Symmetry::of(&ball)?, 0.0).with_strength(100.0);
+/// let springs = Springs::new(&crystal, &Symmetry::find(&ball)?, 0.0).with_strength(100.0);
 /// assert_eq!((springs.strength(), springs.extent()), (100.0, 0.0), "all stand on their sites");
 /// # Ok::<(), protomer_hpmc::Error>(())
 /// ```

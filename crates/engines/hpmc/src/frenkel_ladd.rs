@@ -138,7 +138,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
         Ok(Self {
             body,
             crystal,
-            symmetry: Symmetry::of(body)?,
+            symmetry: Symmetry::find(body)?,
             seed,
         })
     }

@@ -30,7 +30,11 @@ impl Walls {
     ///
     /// A body at the wall that rises by x is replaced by others that cross its area, so that the density
     /// of gaps falls about as exp(-(βP a + β m g) x).
-    pub fn of<const D: usize>(system: &System<D>, gravity: &Gravity, pressure: f64) -> Self {
+    pub fn from_system<const D: usize>(
+        system: &System<D>,
+        gravity: &Gravity,
+        pressure: f64,
+    ) -> Self {
         let edges = system.space().lengths();
         let width = 2.0 * system.widest;
         let steepness = pressure * width.powi(D as i32 - 1) + gravity.weight_kt_per_length;

@@ -261,13 +261,13 @@ impl MeasuredPhase {
 impl PhaseCurves {
     /// f(φ), kT per body.
     pub fn excess_free_energy_kt(&self, packing_fraction: Jet) -> Jet {
-        self.excess.at(packing_fraction)
+        self.excess.evaluate(packing_fraction)
     }
 
     /// α(φ), if it was measured.
     pub fn free_volume_fraction(&self, packing_fraction: Jet) -> Option<Jet> {
         let over_packing = self.log_free_volume_over_packing.as_ref()?;
-        Some((over_packing.at(packing_fraction) * packing_fraction).exp_m1() + 1.0)
+        Some((over_packing.evaluate(packing_fraction) * packing_fraction).exp_m1() + 1.0)
     }
 
     /// βω v: the grand potential per volume, times the volume of a body over kT, at a density of

@@ -52,7 +52,7 @@ impl<const D: usize> Piece<D> {
                 space: D,
             });
         }
-        let measures = Measures::of(shape, rounding_radius)?;
+        let measures = Measures::from_shape(shape, rounding_radius)?;
         // Corners from the centroid, whose place in the shape is kept.
         let (corners, faces, centre, inradius) = match Polytope::placed(shape) {
             Ok((polytope, centre)) => (

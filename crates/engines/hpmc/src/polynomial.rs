@@ -146,7 +146,7 @@ impl Polynomial {
 
     /// The value.
     pub fn value(&self, x: f64) -> f64 {
-        self.at(Jet::constant(x)).value
+        self.evaluate(Jet::constant(x)).value
     }
 
     /// The value with its derivatives.
@@ -155,11 +155,11 @@ impl Polynomial {
     /// use protomer_hpmc::polynomial::{Measured, Polynomial};
     /// use protomer_kernel::jet::Jet;
     /// let values = [0.0, 1.0, 2.0].map(|x| Measured { x, value: x * x, standard_error: 0.1 });
-    /// let slope = Polynomial::of_degree(&values, 2)?.at(Jet::variable(3.0, 0)).first();
+    /// let slope = Polynomial::of_degree(&values, 2)?.evaluate(Jet::variable(3.0, 0)).first();
     /// assert!((slope - 6.0).abs() < 1e-9);
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
-    pub fn at(&self, x: Jet) -> Jet {
+    pub fn evaluate(&self, x: Jet) -> Jet {
         let t = (x + -self.middle) * self.half_width.recip();
         let powers = self.coefficients.iter().rev();
         powers.fold(Jet::<1>::constant(0.0), |sum, c| sum * t + *c)
@@ -288,7 +288,7 @@ mod tests {
             assert!((parabola.value(x) - (5.0 + 3.0 * x - 2.0 * x * x)).abs() < 1e-12);
             let from = |x: f64| 5.0 * x + 1.5 * x * x - 2.0 / 3.0 * x.powi(3);
             assert!((integral.value(x) - (7.0 + from(x) - from(0.1))).abs() < 1e-12);
-            let jet = integral.at(Jet::variable(x, 0));
+            let jet = integral.evaluate(Jet::variable(x, 0));
             assert!((jet.first() - parabola.value(x)).abs() < 1e-12);
         }
     }

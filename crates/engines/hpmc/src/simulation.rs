@@ -635,7 +635,7 @@ impl<const D: usize> Simulation<D> {
         let walls = self.settings.gravity.map(|gravity| {
             self.heights.count(&self.system);
             let density = self.system.len() as f64 / self.system.volume();
-            let mut walls = Walls::of(&self.system, &gravity, density * self.rough_factor);
+            let mut walls = Walls::from_system(&self.system, &gravity, density * self.rough_factor);
             self.add_depletants(&mut walls);
             walls
         });
@@ -690,7 +690,7 @@ impl<const D: usize> Simulation<D> {
         for _ in 0..insertions {
             // Centres at random in the whole box, also where a wall is in the way.
             let parts = std::array::from_fn(|_| rng.uniform());
-            let place = self.system.space().at(&parts);
+            let place = self.system.space().point(&parts);
             let rotation = match D {
                 2 => {
                     let angle = std::f64::consts::TAU * rng.uniform();

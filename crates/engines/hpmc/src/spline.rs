@@ -102,12 +102,12 @@ impl Spline {
     /// use protomer_hpmc::spline::Spline;
     /// use protomer_kernel::jet::Jet;
     /// let spline = Spline::through([0.0, 1.0, 2.0, 4.0].map(|x: f64| (x, x.powi(3))))?;
-    /// let middle = spline.at(Jet::variable(3.0, 0));
+    /// let middle = spline.evaluate(Jet::variable(3.0, 0));
     /// assert!((middle.value - 27.0).abs() < 1e-12 && (middle.first() - 27.0).abs() < 1e-12);
     /// assert_eq!(spline.range(), [0.0, 4.0]);
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
-    pub fn at(&self, abscissa: Jet) -> Jet {
+    pub fn evaluate(&self, abscissa: Jet) -> Jet {
         let above = self.x.partition_point(|x| *x <= abscissa.value);
         let i = above.clamp(1, self.x.len() - 1) - 1;
         let h = self.x[i + 1] - self.x[i];

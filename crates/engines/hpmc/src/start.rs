@@ -303,7 +303,7 @@ fn random_fluid<const D: usize>(
     if has_walls {
         system = system.between_walls()?;
     }
-    let (system, steps) = Compressor::new(system, seed, must_stop)?.to(&edges)?;
+    let (system, steps) = Compressor::new(system, seed, must_stop)?.reach(&edges)?;
     let System {
         positions,
         rotations,
@@ -371,7 +371,7 @@ impl<'a, const D: usize> Compressor<'a, D> {
         }
     }
 
-    fn to(mut self, edges: &[f64; D]) -> Result<(System<D>, Steps)> {
+    fn reach(mut self, edges: &[f64; D]) -> Result<(System<D>, Steps)> {
         let mut shrinking = FIRST_SHRINKING;
         // All edges shrink alike, so the first one tells.
         while self.system.space.lengths()[0] > edges[0] {

@@ -92,7 +92,7 @@ pub fn static_free_volume(
         });
     }
     // Swept once by the radius of a depletant: a point in them is closed to its centre.
-    let bodies = Bodies::of(crystal, shape, radius)?;
+    let bodies = Bodies::from_crystal(crystal, shape, radius)?;
     let lengths = crystal.space.lengths();
     let counts = [0, 1].map(|axis: usize| (lengths[axis] * lines_per_length).ceil());
     let lines = counts[0] * counts[1];
@@ -119,7 +119,7 @@ struct Bodies {
 }
 
 impl Bodies {
-    fn of(crystal: &Crystal<3>, shape: &Shape, radius: f64) -> Result<Self> {
+    fn from_crystal(crystal: &Crystal<3>, shape: &Shape, radius: f64) -> Result<Self> {
         let space = crystal.space.reduced();
         let unplaced = Swept::new(shape, radius, &Pose::identity())?;
         let longest = unplaced
@@ -173,7 +173,7 @@ impl Bodies {
             for axis in 0..2 {
                 parts[axis] = (cell[axis] as f64 + shift[axis]) / counts[axis] as f64;
             }
-            sum += self.free_part(&Vec3::from(self.space.at(&parts)));
+            sum += self.free_part(&Vec3::from(self.space.point(&parts)));
         }
         sum / (counts[0] * counts[1]) as f64
     }

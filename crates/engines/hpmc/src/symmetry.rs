@@ -27,9 +27,9 @@ const BEYOND_KT: f64 = 40.0;
 /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
 /// use protomer_kernel::shape::builders::by_name;
 /// let square = HardBody::<2>::new(&by_name("polygon:4")?, 0.0)?;
-/// let symmetry = Symmetry::of(&square)?;
+/// let symmetry = Symmetry::find(&square)?;
 /// assert_eq!((symmetry.rotations().len(), symmetry.degrees_of_freedom()), (4, 1));
-/// assert_eq!(Symmetry::of(&HardBody::<3>::ball(1.0)?)?.degrees_of_freedom(), 0);
+/// assert_eq!(Symmetry::find(&HardBody::<3>::ball(1.0)?)?.degrees_of_freedom(), 0);
 /// # Ok::<(), protomer_hpmc::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -51,10 +51,10 @@ impl Symmetry {
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
     /// use protomer_kernel::shape::builders::by_name;
     /// let cube = HardBody::<3>::new(&by_name("cube")?, 0.0)?;
-    /// assert_eq!(Symmetry::of(&cube)?.rotations().len(), 24);
+    /// assert_eq!(Symmetry::find(&cube)?.rotations().len(), 24);
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
-    pub fn of<const D: usize>(body: &HardBody<D>) -> Result<Self> {
+    pub fn find<const D: usize>(body: &HardBody<D>) -> Result<Self> {
         // The hull of a body that is not convex has all rotations of the body, and perhaps more.
         let corners = corners(body);
         let mut rotations = match (body.is_round(), D) {
@@ -90,8 +90,8 @@ impl Symmetry {
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
     /// use protomer_kernel::shape::builders::by_name;
     /// let cube = HardBody::<3>::new(&by_name("cube")?, 0.0)?;
-    /// assert_eq!(Symmetry::of(&cube)?.degrees_of_freedom(), 3);
-    /// assert_eq!(Symmetry::of(&HardBody::<3>::ball(1.0)?)?.degrees_of_freedom(), 0);
+    /// assert_eq!(Symmetry::find(&cube)?.degrees_of_freedom(), 3);
+    /// assert_eq!(Symmetry::find(&HardBody::<3>::ball(1.0)?)?.degrees_of_freedom(), 0);
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn degrees_of_freedom(&self) -> usize {
@@ -107,7 +107,7 @@ impl Symmetry {
     /// ```
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
     /// use protomer_kernel::{Rotation, Vec3, shape::builders::by_name};
-    /// let cube = Symmetry::of(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
+    /// let cube = Symmetry::find(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
     /// let about_z = |degrees: f64| Rotation::new(degrees.to_radians() * Vec3::z());
     /// assert!(cube.are_alike(&about_z(10.0), &about_z(100.0)));
     /// assert!(!cube.are_alike(&about_z(10.0), &about_z(55.0)));
@@ -122,7 +122,7 @@ impl Symmetry {
     /// ```
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
     /// use protomer_kernel::{Rotation, Vec3, shape::builders::by_name};
-    /// let cube = Symmetry::of(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
+    /// let cube = Symmetry::find(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
     /// let about_z = |degrees: f64| Rotation::new(degrees.to_radians() * Vec3::z());
     /// assert!(cube.potential(&about_z(0.0), &about_z(90.0)) < 1e-12, "a quarter turn changes nothing");
     /// assert!(cube.potential(&about_z(0.0), &about_z(45.0)) > 0.5);
@@ -161,7 +161,7 @@ impl Symmetry {
     /// ```
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
     /// use protomer_kernel::shape::builders::by_name;
-    /// let cube = Symmetry::of(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
+    /// let cube = Symmetry::find(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
     /// let stiff = cube.least_strength_kt();
     /// // A stiff spring in three dimensions: the integral falls as the strength to the power -3/2.
     /// let ratio = cube.integral(100.0 * stiff) / cube.integral(400.0 * stiff);
@@ -342,8 +342,8 @@ mod tests {
     use protomer_kernel::random::Purpose;
     use protomer_kernel::shape::{Shape, builders::by_name};
 
-    fn of<const D: usize>(name: &str) -> Symmetry {
-        Symmetry::of(&HardBody::<D>::new(&by_name(name).unwrap(), 0.0).unwrap()).unwrap()
+    fn symmetry<const D: usize>(name: &str) -> Symmetry {
+        Symmetry::find(&HardBody::<D>::new(&by_name(name).unwrap(), 0.0).unwrap()).unwrap()
     }
 
     #[test]
@@ -358,20 +358,20 @@ mod tests {
             ("cuboid:1,1,3", 8),
             ("prism:6,1", 12),
         ] {
-            assert_eq!(of::<3>(name).rotations().len(), order, "{name}");
+            assert_eq!(symmetry::<3>(name).rotations().len(), order, "{name}");
         }
-        assert_eq!(of::<2>("polygon:7").rotations().len(), 7);
+        assert_eq!(symmetry::<2>("polygon:7").rotations().len(), 7);
         let scalene = Shape::flat(&[[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]]).unwrap();
         let scalene = HardBody::<2>::new(&scalene, 0.0).unwrap();
-        assert_eq!(Symmetry::of(&scalene).unwrap().rotations().len(), 1);
+        assert_eq!(Symmetry::find(&scalene).unwrap().rotations().len(), 1);
         let rod = Shape::solid(&[Vec3::zeros(), Vec3::z()]).unwrap();
         let rod = HardBody::<3>::new(&rod, 0.5).unwrap();
-        assert_eq!(Symmetry::of(&rod), Err(Error::Axis));
+        assert_eq!(Symmetry::find(&rod), Err(Error::Axis));
     }
 
     #[test]
     fn integrals_of_cubes_are_those_of_an_independent_program() {
-        let cube = of::<3>("cube");
+        let cube = symmetry::<3>("cube");
         for (strength, expected) in [
             (100.0, 0.001_695_757_302_695_938_8),
             (500.0, 0.000_151_444_775_103_044_47),
@@ -387,7 +387,7 @@ mod tests {
     fn integrals_are_means_over_random_orientations() {
         let mut rng = CounterRng::for_purpose(3, 0, 0, Purpose::HardBodyStart);
         let wanted = rng.rotation();
-        let prism = of::<3>("prism:3,1");
+        let prism = symmetry::<3>("prism:3,1");
         let strength = prism.least_strength_kt();
         let (samples, mut sum, mut squares) = (2_000_000, 0.0, 0.0);
         for _ in 0..samples {
@@ -404,7 +404,7 @@ mod tests {
 
     #[test]
     fn sampled_orientations_have_the_mean_energy_of_the_integral() {
-        for symmetry in [of::<3>("cube"), of::<2>("polygon:5")] {
+        for symmetry in [symmetry::<3>("cube"), symmetry::<2>("polygon:5")] {
             let strength = symmetry.least_strength_kt();
             let mut rng = CounterRng::for_purpose(5, 0, 0, Purpose::HardBodyStart);
             let wanted = Rotation::from_scaled_axis(Vec3::z());

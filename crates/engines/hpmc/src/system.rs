@@ -942,7 +942,7 @@ mod tests {
         let bodies = 1 + (0.2 * space.volume() / body.volume) as usize;
         let (mut positions, mut rotations) = (Vec::new(), Vec::new());
         for _ in 0..bodies {
-            positions.push(space.at(&std::array::from_fn(|_| rng.uniform_in(-1.0, 2.0))));
+            positions.push(space.point(&std::array::from_fn(|_| rng.uniform_in(-1.0, 2.0))));
             rotations.push(match D {
                 2 => Rotation::from_scaled_axis(rng.uniform() * protomer_kernel::Vec3::z()),
                 _ => rng.rotation(),

@@ -103,7 +103,7 @@ pub struct Mean {
 }
 
 impl Mean {
-    fn of(values: &[f64]) -> Self {
+    fn from_values(values: &[f64]) -> Self {
         let moments = RunningMoments::in_two_passes(values);
         let mean = moments.mean();
         let standard_error = (values.len() > 1).then(|| moments.independent_standard_error());
@@ -168,7 +168,7 @@ impl Ablation {
     ///     validation_balanced_accuracy: None,
     /// };
     /// let runs = vec![run(&["shape"], 0.5), run(&["shape", "potential"], 0.75)];
-    /// let table = Ablation::of(runs)?;
+    /// let table = Ablation::from_runs(runs)?;
     /// assert_eq!(table.rows[1].channels, ["shape"]);
     /// assert_eq!(table.rows[1].balanced_accuracy_less_all.mean, -0.25);
     /// assert_eq!(table.rows[1].validation_loss_more_than_all.unwrap().mean, 0.25);
@@ -177,7 +177,7 @@ impl Ablation {
     ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if a subset lacks a seed of another.
-    pub fn of(runs: Vec<AblationRun>) -> Result<Self> {
+    pub fn from_runs(runs: Vec<AblationRun>) -> Result<Self> {
         let (mut seeds, mut sets) = (Vec::new(), Vec::new());
         for run in &runs {
             if !seeds.contains(&run.seed) {
@@ -190,9 +190,9 @@ impl Ablation {
         sets.sort_by_key(|channels| Reverse(channels.len()));
         let mut rows = Vec::with_capacity(sets.len());
         if let Some(all) = sets.first() {
-            let all = Values::of(&runs, all, &seeds)?;
+            let all = Values::from_runs(&runs, all, &seeds)?;
             for channels in &sets {
-                rows.push(Values::of(&runs, channels, &seeds)?.row(channels, &all));
+                rows.push(Values::from_runs(&runs, channels, &seeds)?.row(channels, &all));
             }
         }
         Ok(Self { seeds, rows, runs })
@@ -208,7 +208,7 @@ struct Values {
 }
 
 impl Values {
-    fn of(runs: &[AblationRun], channels: &[String], seeds: &[u64]) -> Result<Self> {
+    fn from_runs(runs: &[AblationRun], channels: &[String], seeds: &[u64]) -> Result<Self> {
         let (mut balanced_accuracy, mut nats) = (Vec::new(), Vec::new());
         let mut validation_loss = Vec::new();
         for seed in seeds {
@@ -237,12 +237,12 @@ impl Values {
             .zip(all.validation_loss.as_ref());
         AblationRow {
             channels: channels.to_vec(),
-            balanced_accuracy: Mean::of(&self.balanced_accuracy),
-            nats_gained_over_prior: Mean::of(&self.nats),
-            balanced_accuracy_less_all: Mean::of(&accuracy_less_all),
-            nats_less_all: Mean::of(&differences(&self.nats, &all.nats)),
+            balanced_accuracy: Mean::from_values(&self.balanced_accuracy),
+            nats_gained_over_prior: Mean::from_values(&self.nats),
+            balanced_accuracy_less_all: Mean::from_values(&accuracy_less_all),
+            nats_less_all: Mean::from_values(&differences(&self.nats, &all.nats)),
             validation_loss_more_than_all: losses
-                .map(|(own, all)| Mean::of(&differences(own, all))),
+                .map(|(own, all)| Mean::from_values(&differences(own, all))),
         }
     }
 }
@@ -281,7 +281,7 @@ mod tests {
             run(&["shape"], 2, 0.6),
             run(&both, 2, 1.0),
         ];
-        let table = Ablation::of(runs).unwrap();
+        let table = Ablation::from_runs(runs).unwrap();
         assert_eq!(table.seeds, [1, 2]);
         assert_eq!(table.rows[0].channels, both);
         let nothing = Mean {
@@ -304,17 +304,17 @@ mod tests {
 
     #[test]
     fn a_single_seed_has_no_error_and_a_missing_one_is_named() {
-        let one = Ablation::of(vec![run(&["shape"], 1, 0.7)]).unwrap();
+        let one = Ablation::from_runs(vec![run(&["shape"], 1, 0.7)]).unwrap();
         assert_eq!(one.rows[0].balanced_accuracy.standard_error, None);
         assert_eq!(one.rows[0].balanced_accuracy.interval_95, None);
         let earlier = AblationRun {
             validation_loss_nats: None,
             ..run(&["shape"], 1, 0.7)
         };
-        let table = Ablation::of(vec![earlier]).unwrap();
+        let table = Ablation::from_runs(vec![earlier]).unwrap();
         assert_eq!(table.rows[0].validation_loss_more_than_all, None);
         let runs = vec![run(&["shape"], 1, 0.7), run(&["potential"], 2, 0.7)];
-        let error = Ablation::of(runs).unwrap_err().to_string();
+        let error = Ablation::from_runs(runs).unwrap_err().to_string();
         assert!(error.contains("shape lack the seed 2"), "{error}");
     }
 

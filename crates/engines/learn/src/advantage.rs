@@ -68,7 +68,7 @@ impl Advantage {
     ///     weights: &[1.0; 20],
     ///     clusters: &names.iter().map(String::as_str).collect::<Vec<_>>(),
     /// };
-    /// let advantage = Advantage::of("size", losses, 999, 1)?;
+    /// let advantage = Advantage::from_losses("size", losses, 999, 1)?;
     /// assert!((advantage.gain.estimate - 0.5).abs() < 1e-12);
     /// assert_eq!((advantage.p_value, advantage.verdict()), (0.001, Verdict::Better));
     /// # Ok::<(), protomer_learn::LearnError>(())
@@ -77,7 +77,12 @@ impl Advantage {
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if lengths disagree or there is nothing to
     /// compare.
-    pub fn of(baseline: &str, losses: PairedLosses, exchanges: usize, seed: u64) -> Result<Self> {
+    pub fn from_losses(
+        baseline: &str,
+        losses: PairedLosses,
+        exchanges: usize,
+        seed: u64,
+    ) -> Result<Self> {
         let PairedLosses {
             network,
             baseline: of_baseline,
@@ -163,7 +168,7 @@ mod tests {
             weights,
             clusters,
         };
-        Advantage::of("size", losses, 4000, 1).unwrap()
+        Advantage::from_losses("size", losses, 4000, 1).unwrap()
     }
 
     /// The slow twin: all exchanges of four clusters, one of two samples.
@@ -219,7 +224,7 @@ mod tests {
                 weights: &[1.0; 25],
                 clusters: &clusters,
             };
-            let advantage = Advantage::of("size", losses, 199, trial).unwrap();
+            let advantage = Advantage::from_losses("size", losses, 199, trial).unwrap();
             better += usize::from(advantage.verdict() == Verdict::Better);
         }
         assert!(better <= 18, "{better} of 200");
@@ -233,6 +238,6 @@ mod tests {
             weights: &[1.0],
             clusters: &["a"],
         };
-        assert!(Advantage::of("size", losses, 10, 1).is_err());
+        assert!(Advantage::from_losses("size", losses, 10, 1).is_err());
     }
 }

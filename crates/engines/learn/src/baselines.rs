@@ -60,7 +60,7 @@ const REGRESSIONS: [(&str, Features); 3] = [
 ///
 /// // The label is the sign of the net charge, which one of the regressions knows.
 /// for baseline in baselines(&set.descriptions, &labels, 2, None, &split)? {
-///     let scores = Scores::of(&baseline.probabilities, &truth, 2, None)?;
+///     let scores = Scores::from_probabilities(&baseline.probabilities, &truth, 2, None)?;
 ///     assert_eq!(scores.accuracy > 0.9, baseline.name == "size_and_charge");
 /// }
 /// # Ok::<(), protomer_learn::LearnError>(())
@@ -203,7 +203,10 @@ fn regression(
     }
     let loss = |model: &Logistic| -> Result<f64> {
         let p = model.probabilities(table, &split.validation)?;
-        Ok(Scores::of(&p, &truth, classes, weights_there.as_deref())?.log_loss_nats)
+        Ok(
+            Scores::from_probabilities(&p, &truth, classes, weights_there.as_deref())?
+                .log_loss_nats,
+        )
     };
     let mut least = loss(&best)?;
     for ridge in &RIDGES[1..] {
@@ -278,7 +281,7 @@ mod tests {
         let all = baselines(&descriptions, &labels, 3, None, &split).unwrap();
         let score = |name: &str| {
             let baseline = all.iter().find(|baseline| baseline.name == name).unwrap();
-            Scores::of(&baseline.probabilities, &test, 3, None).unwrap()
+            Scores::from_probabilities(&baseline.probabilities, &test, 3, None).unwrap()
         };
         let share = test.iter().filter(|label| **label == 0).count() as f64 / test.len() as f64;
         assert_eq!(score("majority").accuracy, share);

@@ -37,7 +37,7 @@ const HALVINGS: usize = 80;
 ///
 /// # Errors
 /// [`LearnError::Settings`](crate::LearnError::Settings) as for
-/// [`Scores::of`](crate::scores::Scores::of).
+/// [`Scores::from_probabilities`](crate::scores::Scores::from_probabilities).
 pub fn temperature(
     p: &[f64],
     labels: &[usize],
@@ -158,7 +158,7 @@ mod tests {
                 "{found} undoes {applied}"
             );
             let (before, after) = (p.clone(), at_temperature(&p, 4, found));
-            let score = |p: &[f64]| Scores::of(p, &labels, 4, None).unwrap();
+            let score = |p: &[f64]| Scores::from_probabilities(p, &labels, 4, None).unwrap();
             assert!(score(&after).log_loss_nats <= score(&before).log_loss_nats);
             assert!(score(&after).expected_calibration_error < 0.02);
             assert_eq!(score(&after).accuracy, score(&before).accuracy);
@@ -172,7 +172,7 @@ mod tests {
         let weights: Vec<f64> = (0..100).map(|sample| 1.0 + (sample % 3) as f64).collect();
         let found = temperature(p, labels, 4, Some(&weights)).unwrap();
         let loss = |t: f64| {
-            Scores::of(&at_temperature(p, 4, t), labels, 4, Some(&weights))
+            Scores::from_probabilities(&at_temperature(p, 4, t), labels, 4, Some(&weights))
                 .unwrap()
                 .log_loss_nats
         };

@@ -136,7 +136,7 @@ impl TestPredictions<'_> {
     /// baselines are linear regressions of the numbers.
     ///
     /// # Errors
-    /// As for [`NumberScores::of`] and [`TrueNumbers::intervals`].
+    /// As for [`NumberScores::from_predictions`] and [`TrueNumbers::intervals`].
     pub fn evaluate_numbers(
         &self,
         evaluation: &Evaluation,
@@ -172,7 +172,7 @@ impl TestPredictions<'_> {
                 .map(|(_, predicted)| predicted.clone());
             let from_classes = || classes.predicted(&baseline.probabilities);
             let predicted = of_linear.next().unwrap_or_else(from_classes);
-            let scores = NumberScores::of(&predicted, &truth)?;
+            let scores = NumberScores::from_predictions(&predicted, &truth)?;
             let is_better = best.as_ref().is_none_or(|best| scores.rms_error < best.2);
             // The majority names one class, which is no prediction of a number.
             if is_better && baseline.name != MAJORITY {
@@ -192,11 +192,16 @@ impl TestPredictions<'_> {
             clusters: &clusters,
         };
         Ok(NumberEvaluation {
-            advantage: Advantage::of(name, paired, evaluation.permutation.exchanges, seed)?,
-            scores: NumberScores::of(&predicted, &truth)?,
+            advantage: Advantage::from_losses(
+                name,
+                paired,
+                evaluation.permutation.exchanges,
+                seed,
+            )?,
+            scores: NumberScores::from_predictions(&predicted, &truth)?,
             baselines,
             intervals: truth.intervals(&predicted, &clusters, seed)?,
-            spread: direct.map(|direct| SpreadScores::of(direct, &truth)),
+            spread: direct.map(|direct| SpreadScores::from_predictions(direct, &truth)),
         })
     }
 
@@ -253,11 +258,11 @@ impl Truth {
             weights: &self.weights,
             clusters,
         };
-        Advantage::of(best.name, paired, exchanges, seed)
+        Advantage::from_losses(best.name, paired, exchanges, seed)
     }
 
     fn score(&self, probabilities: &[f64], weights: &[f64]) -> Result<Scores> {
-        Scores::of(probabilities, &self.labels, self.classes, Some(weights))
+        Scores::from_probabilities(probabilities, &self.labels, self.classes, Some(weights))
     }
 
     fn intervals(
@@ -365,7 +370,7 @@ mod tests {
         let all_weights = family_weights(&descriptions);
         let truth = predictions.of_test(&labels).unwrap();
         let weights = predictions.of_test(&all_weights).unwrap();
-        let own = Scores::of(&probabilities, &truth, 3, Some(&weights)).unwrap();
+        let own = Scores::from_probabilities(&probabilities, &truth, 3, Some(&weights)).unwrap();
         assert_eq!(evaluation.scores, own);
         assert_eq!(
             evaluation.permutation,
@@ -390,7 +395,7 @@ mod tests {
         let clusters = predictions.clusters();
         let accuracy = |drawn: &[f64]| {
             let weights: Vec<f64> = drawn.iter().zip(&weights).map(|(n, w)| n * w).collect();
-            let scores = Scores::of(&probabilities, &truth, 3, Some(&weights));
+            let scores = Scores::from_probabilities(&probabilities, &truth, 3, Some(&weights));
             [scores.map_or(f64::NAN, |scores| scores.accuracy)]
         };
         let [interval] = bootstrap(&clusters, 0.95, RESAMPLINGS, 4, accuracy).unwrap();

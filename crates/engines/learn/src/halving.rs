@@ -190,7 +190,7 @@ impl Reached {
     /// Result at a rung of a training with this history. Epochs beyond the rung do not count: a
     /// search that goes on finds checkpoints that are further, and what came later must not decide
     /// who goes on from here.
-    pub fn at(history: &[EpochRecord], rung: usize) -> Self {
+    pub fn from_history(history: &[EpochRecord], rung: usize) -> Self {
         let history = history.get(..rung).unwrap_or(history);
         let mut reached = Self {
             epochs: history.len(),
@@ -315,7 +315,7 @@ mod tests {
             record(4, 0.1),
         ];
         let at = |rung| {
-            let reached = Reached::at(&history, rung);
+            let reached = Reached::from_history(&history, rung);
             (
                 reached.epochs,
                 reached.validation_loss_nats,
@@ -326,6 +326,9 @@ mod tests {
         assert_eq!(at(3), (3, Some(0.6), Some(3.0)));
         // Ended early, the history is shorter than the rung.
         assert_eq!(at(9), (4, Some(0.1), Some(4.0)));
-        assert_eq!(Reached::at(&[record(1, f64::NAN)], 1).loss(), f64::INFINITY);
+        assert_eq!(
+            Reached::from_history(&[record(1, f64::NAN)], 1).loss(),
+            f64::INFINITY
+        );
     }
 }

@@ -49,7 +49,7 @@ impl NormalHead {
     ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if they are all the same, or none.
-    pub fn of(weighted: &[(f64, f64)]) -> Result<Self> {
+    pub fn fit(weighted: &[(f64, f64)]) -> Result<Self> {
         let total: f64 = weighted.iter().map(|(_, weight)| weight).sum();
         let mean = weighted.iter().map(|(y, weight)| weight * y).sum::<f64>() / total;
         let squares = weighted
@@ -307,6 +307,6 @@ mod tests {
             },
         ]);
         assert_eq!((mixed.mean, mixed.spread), (1.0, 2f64.sqrt()));
-        assert!(NormalHead::of(&[(1.0, 1.0), (1.0, 2.0)]).is_err());
+        assert!(NormalHead::fit(&[(1.0, 1.0), (1.0, 2.0)]).is_err());
     }
 }

@@ -23,7 +23,7 @@ pub const COUNT_RANGE: (usize, usize) = (2, 100);
 /// ```
 /// use protomer_learn::number_classes::NumberClasses;
 ///
-/// let classes = NumberClasses::of(&[1.0, 2.0, 3.0, 10.0], 2)?;
+/// let classes = NumberClasses::from_numbers(&[1.0, 2.0, 3.0, 10.0], 2)?;
 /// assert_eq!(classes.names(), ["below 2.5", "from 2.5"]);
 /// assert_eq!(classes.means, [1.5, 6.5]);
 /// assert_eq!(classes.class_of(2.5), 1);
@@ -46,16 +46,16 @@ impl NumberClasses {
     ///
     /// ```
     /// use protomer_learn::number_classes::NumberClasses;
-    /// let classes = NumberClasses::of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 3)?;
+    /// let classes = NumberClasses::from_numbers(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 3)?;
     /// assert_eq!((classes.count(), &classes.means[..]), (3, &[1.5, 3.5, 5.5][..]));
-    /// assert!(NumberClasses::of(&[2.0, 2.0], 2).is_err(), "all are the same");
+    /// assert!(NumberClasses::from_numbers(&[2.0, 2.0], 2).is_err(), "all are the same");
     /// # Ok::<(), protomer_learn::LearnError>(())
     /// ```
     ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) for a count out of [`COUNT_RANGE`], and for
     /// numbers that are not finite or all the same.
-    pub fn of(numbers: &[f64], count: usize) -> Result<Self> {
+    pub fn from_numbers(numbers: &[f64], count: usize) -> Result<Self> {
         let (fewest, most) = COUNT_RANGE;
         if !(fewest..=most).contains(&count) {
             return refuse(format!(
@@ -105,7 +105,7 @@ impl NumberClasses {
     ///
     /// ```
     /// use protomer_learn::number_classes::NumberClasses;
-    /// let classes = NumberClasses::of(&[1.0, 2.0, 3.0, 4.0], 2)?;
+    /// let classes = NumberClasses::from_numbers(&[1.0, 2.0, 3.0, 4.0], 2)?;
     /// let weighted = classes.with_means_of(&[(1.0, 3.0), (2.0, 1.0)]);
     /// assert_eq!(weighted.means, [1.25, 3.5]);
     /// # Ok::<(), protomer_learn::LearnError>(())
@@ -188,7 +188,7 @@ mod tests {
         let numbers: Vec<f64> = (0..1000)
             .map(|i| (f64::from(i) * 0.618).fract().exp())
             .collect();
-        let classes = NumberClasses::of(&numbers, 5).unwrap();
+        let classes = NumberClasses::from_numbers(&numbers, 5).unwrap();
         let mut counts = vec![0; classes.count()];
         for number in &numbers {
             counts[classes.class_of(*number)] += 1;
@@ -209,27 +209,30 @@ mod tests {
 
     #[test]
     fn equal_numbers_share_a_class() {
-        let classes = NumberClasses::of(&[0.0, 0.0, 0.0, 0.0, 1.0, 2.0], 3).unwrap();
+        let classes = NumberClasses::from_numbers(&[0.0, 0.0, 0.0, 0.0, 1.0, 2.0], 3).unwrap();
         assert_eq!(classes.names(), ["below 0.5", "from 0.5"]);
-        let classes = NumberClasses::of(&[-1.0, 5.0, 5.0, 5.0], 4).unwrap();
+        let classes = NumberClasses::from_numbers(&[-1.0, 5.0, 5.0, 5.0], 4).unwrap();
         assert_eq!(classes.names(), ["below 2", "from 2"]);
         assert_eq!(classes.means, [-1.0, 5.0]);
         let next = f64::from_bits(1.0_f64.to_bits() + 1);
-        let classes = NumberClasses::of(&[1.0, next], 2).unwrap();
+        let classes = NumberClasses::from_numbers(&[1.0, next], 2).unwrap();
         assert_eq!((classes.class_of(1.0), classes.class_of(next)), (0, 1));
     }
 
     #[test]
     fn a_class_without_numbers_keeps_what_it_stands_for() {
-        let classes = NumberClasses::of(&[1.0, 2.0, 3.0, 4.0], 2).unwrap();
+        let classes = NumberClasses::from_numbers(&[1.0, 2.0, 3.0, 4.0], 2).unwrap();
         let again = classes.with_means_of(&[(1.0, 2.0)]);
         assert_eq!(again.means, [1.0, 3.5]);
     }
 
     #[test]
     fn what_cannot_be_learnt_is_refused() {
-        let refusal =
-            |numbers: &[f64], count| NumberClasses::of(numbers, count).unwrap_err().to_string();
+        let refusal = |numbers: &[f64], count| {
+            NumberClasses::from_numbers(numbers, count)
+                .unwrap_err()
+                .to_string()
+        };
         assert!(refusal(&[1.0, 2.0], 1).contains("2 to 100"));
         assert!(refusal(&[2.5; 3], 2).contains("all 3 numbers are 2.5"));
         assert!(refusal(&[1.0, f64::NAN], 2).contains("NaN"));

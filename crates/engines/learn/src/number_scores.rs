@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 /// use protomer_learn::number_scores::{NumberScores, TrueNumbers};
 ///
 /// let truth = TrueNumbers { numbers: &[1.0, 2.0, 4.0], weights: &[1.0; 3], training_mean: 2.0 };
-/// let scores = NumberScores::of(&[1.0, 3.0, 5.0], &truth)?;
+/// let scores = NumberScores::from_predictions(&[1.0, 3.0, 5.0], &truth)?;
 /// assert_eq!(scores.rms_error, (2.0_f64 / 3.0).sqrt());
 /// assert_eq!(scores.mean_absolute_error, 2.0 / 3.0);
 /// assert!((scores.variance_explained - (1.0 - 2.0 / 5.0)).abs() < 1e-12);
@@ -80,7 +80,7 @@ pub struct SpreadScores {
 
 impl SpreadScores {
     /// Scores of predictions with spreads.
-    pub fn of(predicted: &[PredictedNumber], truth: &TrueNumbers) -> Self {
+    pub fn from_predictions(predicted: &[PredictedNumber], truth: &TrueNumbers) -> Self {
         let total: f64 = truth.weights.iter().sum();
         let mean = |value: &dyn Fn(&PredictedNumber, f64) -> f64| {
             let samples = predicted.iter().zip(truth.numbers).zip(truth.weights);
@@ -104,7 +104,7 @@ impl NumberScores {
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if lengths disagree, no sample has a
     /// weight, or a number is not finite.
-    pub fn of(predicted: &[f64], truth: &TrueNumbers) -> Result<Self> {
+    pub fn from_predictions(predicted: &[f64], truth: &TrueNumbers) -> Result<Self> {
         let (numbers, weights) = (truth.numbers, truth.weights);
         let total: f64 = weights.iter().sum();
         if predicted.len() != numbers.len() || weights.len() != numbers.len() || total <= 0.0 {
@@ -165,14 +165,14 @@ impl TrueNumbers<'_> {
     /// 95 % intervals of the scores over draws of clusters, one cluster given per sample.
     ///
     /// # Errors
-    /// As for [`NumberScores::of`], and without clusters.
+    /// As for [`NumberScores::from_predictions`], and without clusters.
     pub fn intervals(
         &self,
         predicted: &[f64],
         clusters: &[&str],
         seed: u64,
     ) -> Result<NumberIntervals> {
-        NumberScores::of(predicted, self)?;
+        NumberScores::from_predictions(predicted, self)?;
         let statistics = |drawn: &[f64]| {
             let pairs = self.weights.iter().zip(drawn);
             let weights: Vec<f64> = pairs.map(|(weight, times)| weight * times).collect();
@@ -180,7 +180,7 @@ impl TrueNumbers<'_> {
                 weights: &weights,
                 ..*self
             };
-            match NumberScores::of(predicted, &truth) {
+            match NumberScores::from_predictions(predicted, &truth) {
                 Ok(scores) => [
                     scores.rms_error,
                     scores.variance_explained,
@@ -259,8 +259,8 @@ mod tests {
             weights: &vec![1.0; many_true.len()],
             training_mean: 3.0,
         };
-        let found = NumberScores::of(&predicted, &weighted).unwrap();
-        let expected = NumberScores::of(&many_predicted, &repeated).unwrap();
+        let found = NumberScores::from_predictions(&predicted, &weighted).unwrap();
+        let expected = NumberScores::from_predictions(&many_predicted, &repeated).unwrap();
         for (a, b) in [
             (found.rms_error, expected.rms_error),
             (found.mean_absolute_error, expected.mean_absolute_error),
@@ -276,7 +276,7 @@ mod tests {
             weights: &ones,
             training_mean: 2.5,
         };
-        let scores = NumberScores::of(&[10.0, 30.0, 20.0, 40.0], &truth).unwrap();
+        let scores = NumberScores::from_predictions(&[10.0, 30.0, 20.0, 40.0], &truth).unwrap();
         assert!((scores.rank_correlation - 0.8).abs() < 1e-12);
     }
 
@@ -287,7 +287,7 @@ mod tests {
             weights: &[1.0; 3],
             training_mean: 2.0,
         };
-        let scores = NumberScores::of(&[2.0; 3], &truth).unwrap();
+        let scores = NumberScores::from_predictions(&[2.0; 3], &truth).unwrap();
         assert_eq!(
             (scores.variance_explained, scores.rank_correlation),
             (0.0, 0.0)
@@ -297,7 +297,7 @@ mod tests {
             .unwrap();
         assert_eq!(intervals.rms_error.high, 0.0);
         assert_eq!(intervals.rank_correlation.estimate, 1.0);
-        assert!(NumberScores::of(&[1.0], &truth).is_err());
-        assert!(NumberScores::of(&[1.0, f64::NAN, 2.0], &truth).is_err());
+        assert!(NumberScores::from_predictions(&[1.0], &truth).is_err());
+        assert!(NumberScores::from_predictions(&[1.0, f64::NAN, 2.0], &truth).is_err());
     }
 }

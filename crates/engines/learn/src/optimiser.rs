@@ -283,7 +283,7 @@ fn sum_of_squares(gradient: &Tensor) -> Result<f32> {
         return Ok(gradient.sqr()?.sum_all()?.to_scalar()?);
     }
     let gradient = gradient.contiguous()?;
-    let numbers = Numbers::of(&gradient);
+    let numbers = Numbers::from_tensor(&gradient);
     Ok(sum_in_lanes(numbers.slice()?, |value| value * value))
 }
 

@@ -74,7 +74,12 @@ pub fn permutation_test(
     // Without weights: they belong to the true labels and would have to move with them.
     let loss = |labels: &[usize]| {
         let truth = predictions.of_test(labels)?;
-        let scores = Scores::of(predictions.probabilities, &truth, predictions.classes, None)?;
+        let scores = Scores::from_probabilities(
+            predictions.probabilities,
+            &truth,
+            predictions.classes,
+            None,
+        )?;
         Ok(scores.log_loss_nats)
     };
     let observed = loss(predictions.labels)?;

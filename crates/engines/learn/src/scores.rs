@@ -20,11 +20,11 @@ const TOP: usize = 3;
 /// use protomer_learn::scores::Scores;
 ///
 /// // Two samples of two classes; both are predicted to be of the first.
-/// let scores = Scores::of(&[0.9, 0.1, 0.6, 0.4], &[0, 1], 2, None)?;
+/// let scores = Scores::from_probabilities(&[0.9, 0.1, 0.6, 0.4], &[0, 1], 2, None)?;
 /// assert_eq!(scores.accuracy, 0.5);
 /// assert_eq!(scores.confusion, [[1.0, 0.0], [1.0, 0.0]]);
 ///
-/// let guessed = Scores::of(&[0.5; 4], &[0, 1], 2, None)?;
+/// let guessed = Scores::from_probabilities(&[0.5; 4], &[0, 1], 2, None)?;
 /// assert!(scores.nats_gained_over(&guessed) > 0.0);
 /// # Ok::<(), protomer_learn::LearnError>(())
 /// ```
@@ -73,7 +73,7 @@ impl Scores {
     /// ```
     /// use protomer_learn::scores::Scores;
     /// let probabilities = [0.9, 0.1, 0.6, 0.4, 0.2, 0.8];
-    /// let scores = Scores::of(&probabilities, &[0, 1, 1], 2, None)?;
+    /// let scores = Scores::from_probabilities(&probabilities, &[0, 1, 1], 2, None)?;
     /// assert!((scores.accuracy - 2.0 / 3.0).abs() < 1e-12);
     /// assert!((scores.balanced_accuracy - 0.75).abs() < 1e-12, "the mean of 1 and ½");
     /// assert_eq!(scores.confusion, [[1.0, 0.0], [1.0, 1.0]]);
@@ -83,7 +83,7 @@ impl Scores {
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if lengths disagree, a class does not
     /// exist, a number is not a probability, or there is nothing to score.
-    pub fn of(
+    pub fn from_probabilities(
         probabilities: &[f64],
         labels: &[usize],
         classes: usize,
@@ -157,7 +157,7 @@ impl Scores {
     ///
     /// ```
     /// use protomer_learn::scores::Scores;
-    /// let [sure, guess] = [[1.0, 0.0], [0.5, 0.5]].map(|p| Scores::of(&p, &[0], 2, None));
+    /// let [sure, guess] = [[1.0, 0.0], [0.5, 0.5]].map(|p| Scores::from_probabilities(&p, &[0], 2, None));
     /// assert!((sure?.nats_gained_over(&guess?) - 2.0_f64.ln()).abs() < 1e-12);
     /// # Ok::<(), protomer_learn::LearnError>(())
     /// ```
@@ -328,7 +328,7 @@ mod tests {
             [0.25, 0.2, 0.15, 0.4],
         ]
         .concat();
-        let scores = Scores::of(&p, &[0, 1, 1, 2], 4, None).unwrap();
+        let scores = Scores::from_probabilities(&p, &[0, 1, 1, 2], 4, None).unwrap();
         near(scores.accuracy, 0.5);
         near(scores.top3_accuracy, 0.75);
         near(scores.balanced_accuracy, (1.0 + 0.5 + 0.0) / 3.0);
@@ -357,8 +357,11 @@ mod tests {
     #[test]
     fn a_weight_of_two_is_a_sample_twice() {
         let p = [0.6, 0.4, 0.3, 0.7, 0.8, 0.2];
-        let weighted = Scores::of(&p, &[0, 1, 1], 2, Some(&[1.0, 2.0, 1.0])).unwrap();
-        let repeated = Scores::of(&[&p[..4], &p[2..]].concat(), &[0, 1, 1, 1], 2, None).unwrap();
+        let weighted =
+            Scores::from_probabilities(&p, &[0, 1, 1], 2, Some(&[1.0, 2.0, 1.0])).unwrap();
+        let repeated =
+            Scores::from_probabilities(&[&p[..4], &p[2..]].concat(), &[0, 1, 1, 1], 2, None)
+                .unwrap();
         near(weighted.log_loss_nats, repeated.log_loss_nats);
         near(
             weighted.expected_calibration_error,
@@ -370,7 +373,7 @@ mod tests {
 
     #[test]
     fn perfect_and_constant_predictions_stand_at_the_ends() {
-        let perfect = Scores::of(&[1.0, 0.0, 0.0, 1.0], &[0, 1], 2, None).unwrap();
+        let perfect = Scores::from_probabilities(&[1.0, 0.0, 0.0, 1.0], &[0, 1], 2, None).unwrap();
         assert_eq!(
             (
                 perfect.matthews,
@@ -380,17 +383,17 @@ mod tests {
             ),
             (1.0, 1.0, 0.0, 0.0)
         );
-        let constant = Scores::of(&[0.5; 4], &[0, 1], 2, None).unwrap();
+        let constant = Scores::from_probabilities(&[0.5; 4], &[0, 1], 2, None).unwrap();
         assert_eq!((constant.matthews, constant.balanced_accuracy), (0.0, 0.5));
         near(perfect.nats_gained_over(&constant), 2_f64.ln());
     }
 
     #[test]
     fn what_cannot_be_scored_is_refused() {
-        assert!(Scores::of(&[0.5; 3], &[0, 1], 2, None).is_err());
-        assert!(Scores::of(&[0.5; 4], &[0, 2], 2, None).is_err());
-        assert!(Scores::of(&[0.5, f64::NAN], &[0], 2, None).is_err());
-        assert!(Scores::of(&[], &[], 2, None).is_err());
-        assert!(Scores::of(&[0.5; 4], &[0, 1], 2, Some(&[0.0, 0.0])).is_err());
+        assert!(Scores::from_probabilities(&[0.5; 3], &[0, 1], 2, None).is_err());
+        assert!(Scores::from_probabilities(&[0.5; 4], &[0, 2], 2, None).is_err());
+        assert!(Scores::from_probabilities(&[0.5, f64::NAN], &[0], 2, None).is_err());
+        assert!(Scores::from_probabilities(&[], &[], 2, None).is_err());
+        assert!(Scores::from_probabilities(&[0.5; 4], &[0, 1], 2, Some(&[0.0, 0.0])).is_err());
     }
 }

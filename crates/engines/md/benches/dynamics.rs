@@ -43,11 +43,12 @@ fn density(kind: &Kind, packing_fraction: f64) -> f64 {
         _ => Shape::solid(corners),
     };
     let layer = CONTACT_RATIO * kind.inradius();
-    packing_fraction / Measures::of(&shape.unwrap(), layer).unwrap().volume
+    packing_fraction / Measures::from_shape(&shape.unwrap(), layer).unwrap().volume
 }
 
 fn compressed(name: &str, count: usize, packing_fraction: f64) -> Engine {
-    let kind = Kind::of(&Polytope::of(&by_name(name).unwrap()).unwrap()).unwrap();
+    let kind =
+        Kind::from_polytope(&Polytope::from_shape(&by_name(name).unwrap()).unwrap()).unwrap();
     let kind = kind.of_unit_volume().unwrap();
     let density = density(&kind, packing_fraction);
     let bodies = Bodies::of_one_kind(kind, count);

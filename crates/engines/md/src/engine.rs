@@ -129,7 +129,7 @@ impl Engine {
     /// use protomer_md::engine::{Engine, Settings};
     /// use protomer_md::pair::Form;
     /// use protomer_md::state::{Bodies, State};
-    /// let square = Kind::of(&Polytope::of(&builders::by_name("polygon:4")?)?)?;
+    /// let square = Kind::from_polytope(&Polytope::from_shape(&builders::by_name("polygon:4")?)?)?;
     /// let bodies = Bodies::of_one_kind(square, 2);
     /// let places = vec![Vec3::zeros(), Vec3::new(1.6, 0.1, 0.0)];
     /// let mut state = State::at_rest(&bodies, Boundary::Open, places);
@@ -159,7 +159,7 @@ impl Engine {
             virial: 0.0,
             heat: 0.0,
             volume_trials: [0; 2],
-            neighbours: Neighbours::of(&bodies, &state, &settings.interaction)?,
+            neighbours: Neighbours::find(&bodies, &state, &settings.interaction)?,
             forces: vec![Vec3::zeros(); count],
             torques: vec![Vec3::zeros(); count],
             state,
@@ -198,7 +198,7 @@ impl Engine {
             }
         }
         // Room for all bodies at once; turned again in every step.
-        let geometry = Turned::of((0..count).map(|body| bodies.kind(body)));
+        let geometry = Turned::from_kinds((0..count).map(|body| bodies.kind(body)));
         Ok(Self {
             bodies,
             settings,

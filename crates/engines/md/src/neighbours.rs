@@ -50,7 +50,7 @@ impl Neighbours {
     ///
     /// # Errors
     /// [`Error::SmallBox`] if a body would meet two images of another.
-    pub fn of(bodies: &Bodies, state: &State, interaction: &Interaction) -> Result<Self> {
+    pub fn find(bodies: &Bodies, state: &State, interaction: &Interaction) -> Result<Self> {
         let range = range(bodies, interaction);
         let mut list = Self {
             pairs: Vec::new(),
@@ -75,7 +75,7 @@ impl Neighbours {
     /// Finds the pairs again if they may be incomplete.
     ///
     /// # Errors
-    /// As [`Neighbours::of`].
+    /// As [`Neighbours::find`].
     pub fn refresh(&mut self, bodies: &Bodies, state: &State) -> Result<()> {
         // A box that shrinks by 1 - s brings bodies nearer by (1 - s) times their distance.
         let slack = self.skin - (1.0 - self.scale).abs() * (self.range + self.skin);

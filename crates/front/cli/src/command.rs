@@ -23,7 +23,7 @@ impl Command {
     ///
     /// ```
     /// use protomer_cli::Command;
-    /// let command = Command::of(&["merge", "-qj2", "/parts/1.zarr", "-o", "/set.zarr"]).unwrap();
+    /// let command = Command::from_words(&["merge", "-qj2", "/parts/1.zarr", "-o", "/set.zarr"]).unwrap();
     /// let flag = |name: &str, value: Option<&str>| (name.to_owned(), value.map(str::to_owned));
     /// assert_eq!(command.flags, [flag("output", Some("/set.zarr")), flag("threads", Some("2")), flag("quiet", None)]);
     /// assert_eq!((command.verb, command.places), (vec!["merge".into()], vec!["/parts/1.zarr".into()]));
@@ -31,7 +31,7 @@ impl Command {
     ///
     /// # Errors
     /// For words that are not a command.
-    pub fn of<S: AsRef<str>>(words: &[S]) -> Result<Self, UsageError> {
+    pub fn from_words<S: AsRef<str>>(words: &[S]) -> Result<Self, UsageError> {
         let mut syntax = syntax();
         syntax.build();
         let words = ["protomer"]

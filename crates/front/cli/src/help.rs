@@ -532,7 +532,7 @@ pub fn with_missing_verb(
     let words = words.iter().map(|word| word.to_string_lossy());
     let before: Vec<_> = words.take_while(|other| other != word).collect();
     let in_assemble = before.iter().any(|other| other == "assemble");
-    let reason = match FileKind::of(Path::new(word)) {
+    let reason = match FileKind::from_path(Path::new(word)) {
         Some(FileKind::Body) if in_assemble => format!(
             "{word} is a body: 'protomer assemble ring {word}' and 'assemble fluid {word}' make assemblies of \
              bodies"

@@ -64,7 +64,7 @@ impl Reply {
     }
 
     /// An answer whose text is a summary.
-    pub fn of(answer: impl Answer + Send + 'static) -> Self {
+    pub fn from_answer(answer: impl Answer + Send + 'static) -> Self {
         Self::new(Some(Box::new(answer)), Outcome::Done)
     }
 
@@ -72,7 +72,7 @@ impl Reply {
     pub fn data(answer: impl Answer + Send + 'static) -> Self {
         Self {
             is_data: true,
-            ..Self::of(answer)
+            ..Self::from_answer(answer)
         }
     }
 
@@ -101,7 +101,7 @@ impl Reply {
         if_stopped: impl FnOnce() -> String,
     ) -> Self {
         match end {
-            End::Finished(answer) => Self::of(answer),
+            End::Finished(answer) => Self::from_answer(answer),
             End::Stopped => Self::stopped(if_stopped()),
         }
     }

@@ -547,6 +547,10 @@ const NOT_NOUNS: &[&str] = &[
     "across", "along", "at", "by", "found", "here", "kept", "known", "left", "moved", "of", "own",
     "rest", "seen", "there", "turned", "what",
 ];
+/// Prepositions and adverbs that say nothing of what a function does or returns.
+const NO_FUNCTIONS: &[&str] = &[
+    "at", "beside", "by", "here", "known", "of", "on", "there", "to",
+];
 /// Most such names in 1000 lines of code; keys of files and `left` next to `right` are among them.
 const MOST_PER_THOUSAND_LINES: f64 = 3.0;
 
@@ -595,5 +599,33 @@ fn bindings_are_named_by_what_they_hold() {
     assert!(
         per_thousand < MOST_PER_THOUSAND_LINES,
         "{per_thousand:.2} names of 1000 lines are prepositions, adverbs or participles; name what is held"
+    );
+}
+
+/// Name of the function that a line of code begins to declare.
+fn declared_function(line: &str) -> Option<&str> {
+    let (_, after) = line.split_once("fn ")?;
+    let is_in_name = |character: char| character.is_ascii_alphanumeric() || character == '_';
+    after.split(|character| !is_in_name(character)).next()
+}
+
+#[test]
+fn functions_are_named_by_what_they_do_or_return() {
+    assert_eq!(declared_function("pub fn of(body: &Body)"), Some("of"));
+    let mut found = Vec::new();
+    for path in library_sources() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        for (number, line) in text.lines().enumerate() {
+            let line = line.trim();
+            let name = declared_function(line).filter(|_| !line.starts_with("//"));
+            if name.is_some_and(|name| NO_FUNCTIONS.contains(&name)) {
+                found.push(format!("{}:{}: {line}", path.display(), number + 1));
+            }
+        }
+    }
+    assert!(
+        found.is_empty(),
+        "name these functions by a noun or a verb:\n{}",
+        found.join("\n")
     );
 }

@@ -30,7 +30,7 @@ pub enum Kind {
 ///
 /// # Errors
 /// If it holds none of these, or its settings cannot be read.
-pub fn of(directory: &Path) -> Result<Kind> {
+pub fn detect(directory: &Path) -> Result<Kind> {
     if !directory.is_dir() {
         #[cfg(feature = "learning")]
         learning::require_complete_set(directory)?;
@@ -40,7 +40,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
             directory.display()
         );
     }
-    Ok(match ResultKind::of(directory) {
+    Ok(match ResultKind::detect(directory) {
         Some(ResultKind::Sweep) => Kind::Sweep,
         Some(ResultKind::Pair) => Kind::Stated(pair::page::contents),
         Some(ResultKind::Equilibrium) => Kind::Stated(equilibrium::page::contents),
@@ -93,7 +93,7 @@ fn verbs() -> String {
 
 #[cfg(feature = "learning")]
 fn of_learning(kind: &ResultKind, directory: &Path) -> Result<Kind> {
-    match Learning::of(kind, directory)? {
+    match Learning::read(kind, directory)? {
         Some(learning) => Ok(Kind::Learning(learning)),
         None => bail!("{} holds {kind}, not learning", directory.display()),
     }
@@ -120,18 +120,18 @@ mod tests {
             let record = format!("{{\"kind\": \"{}\"}}", kind.word());
             std::fs::write(folder.path().join("run.json"), record).unwrap();
             // Some then miss their settings.
-            if let Err(error) = of(folder.path()) {
+            if let Err(error) = detect(folder.path()) {
                 let told = error.to_string();
                 assert!(!told.contains("no results that a report"), "{told}");
             }
         }
         let folder = tempfile::tempdir().unwrap();
-        let told = of(folder.path()).unwrap_err().to_string();
+        let told = detect(folder.path()).unwrap_err().to_string();
         for verb in ["simulate", "md run", "hpmc sweep", "free-energy"] {
             assert!(told.contains(verb), "{told}");
         }
         std::fs::write(folder.path().join("run.toml"), "bodies = 36").unwrap();
-        let told = of(folder.path()).unwrap_err().to_string();
+        let told = detect(folder.path()).unwrap_err().to_string();
         assert!(told.contains("has not begun"), "{told}");
     }
 }

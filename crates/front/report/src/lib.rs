@@ -78,7 +78,7 @@ impl Answer for Written {
 /// If the directory holds no results, one of its files is damaged, the page already exists, or
 /// it cannot be written.
 pub fn report(directory: &Path, request: &Request) -> Result<Written> {
-    let kind = kind::of(directory)?;
+    let kind = kind::detect(directory)?;
     let page = request
         .output
         .clone()

@@ -23,7 +23,7 @@ const KIND_AT: usize = 20;
 /// use protomer_protein_verbs::file_kind::FileKind;
 /// use std::path::Path;
 /// let structure = Path::new("../../../data/structures/5pti.cif.gz");
-/// assert_eq!(FileKind::of(structure), Some(FileKind::Structure));
+/// assert_eq!(FileKind::from_path(structure), Some(FileKind::Structure));
 /// let error = FileKind::Body.require(structure).unwrap_err().to_string();
 /// assert!(error.ends_with("is a structure: 'protomer ingest' makes a body of it"), "{error}");
 /// ```
@@ -49,9 +49,9 @@ pub enum FileKind {
 
 impl FileKind {
     /// The kind of a path; `None` if it is not known, or there is nothing.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn from_path(path: &Path) -> Option<Self> {
         if path.is_dir() {
-            return ResultKind::of(path).map(Self::Results);
+            return ResultKind::detect(path).map(Self::Results);
         }
         let mut head = Vec::new();
         protomer_io::input::open(path)
@@ -88,7 +88,7 @@ impl FileKind {
     /// # Errors
     /// Says what the path is, and which verb makes this kind of it, or else takes it.
     pub fn require(&self, path: &Path) -> Result<()> {
-        let kind = Self::of(path);
+        let kind = Self::from_path(path);
         match kind.and_then(|present| present.refusal(path, self)) {
             Some(refusal) => bail!(refusal),
             None => Ok(()),
@@ -194,9 +194,12 @@ mod tests {
         for (name, content, expected) in cases {
             let path = folder.path().join(name);
             std::fs::write(&path, content).unwrap();
-            assert_eq!(FileKind::of(&path), expected, "{name}");
+            assert_eq!(FileKind::from_path(&path), expected, "{name}");
         }
-        assert_eq!(FileKind::of(&folder.path().join("missing.pdb")), None);
+        assert_eq!(
+            FileKind::from_path(&folder.path().join("missing.pdb")),
+            None
+        );
         std::fs::write(folder.path().join("run.json"), r#"{"kind": "lattice run"}"#).unwrap();
         let words = FileKind::Assembly
             .require(folder.path())

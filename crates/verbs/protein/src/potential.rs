@@ -343,7 +343,7 @@ fn solved(
         false => None,
     };
     let places = settings.places.as_deref();
-    let at_places = |places: &[Vec3]| places.iter().map(|place| solved.at(place)).collect();
+    let at_places = |places: &[Vec3]| places.iter().map(|place| solved.value_at(place)).collect();
     Ok(Found {
         grid: *solved.grid(),
         field: match points {
@@ -366,10 +366,10 @@ fn superposed(
     let grid = grid_around(spheres, &settings.solve)?;
     let places = settings.places.as_deref();
     // Outside the grid the sum would be as right, but both models answer alike.
-    let potential = |place: &Vec3| grid.locate(place).map(|_| superposition.at(place));
+    let potential = |place: &Vec3| grid.locate(place).map(|_| superposition.value_at(place));
     Ok(Found {
         grid,
-        field: superposition.on(match points {
+        field: superposition.tabulate(match points {
             FieldPoints::Solution => grid,
             FieldPoints::Multiples => grid.on_multiples(),
         }),

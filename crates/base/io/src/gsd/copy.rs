@@ -106,7 +106,7 @@ pub fn copy_trajectory(
         let _ = remove_file(&partial);
     }
     let copied = copied?;
-    rename(&partial, target).map_err(IoError::at(target, "write"))?;
+    rename(&partial, target).map_err(IoError::file(target, "write"))?;
     Ok(copied)
 }
 

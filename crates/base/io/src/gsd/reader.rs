@@ -40,10 +40,10 @@ impl GsdFile {
     /// # Errors
     /// [`IoError::File`] if the system call fails, [`IoError::Parse`] if it is not a GSD 2 file.
     pub fn open(path: &Path) -> Result<Self> {
-        let file = crate::input::open(path).map_err(IoError::at(path, "open"))?;
+        let file = crate::input::open(path).map_err(IoError::file(path, "open"))?;
         let mut source = SizedFile {
             path,
-            length: file.metadata().map_err(IoError::at(path, "read"))?.len(),
+            length: file.metadata().map_err(IoError::file(path, "read"))?.len(),
             file: &file,
         };
         let start = source.read(0, HEADER_BYTES)?;
@@ -180,7 +180,7 @@ impl GsdFile {
         let metadata = self.file.metadata();
         let mut source = SizedFile {
             path: &self.path,
-            length: metadata.map_err(IoError::at(&self.path, "read"))?.len(),
+            length: metadata.map_err(IoError::file(&self.path, "read"))?.len(),
             file: &self.file,
         };
         let name = self.names.get(usize::from(entry.name));
@@ -254,7 +254,7 @@ impl SizedFile<'_> {
             self.file.seek(SeekFrom::Start(location))?;
             self.file.read_exact(&mut bytes)
         };
-        read().map_err(IoError::at(self.path, "read"))?;
+        read().map_err(IoError::file(self.path, "read"))?;
         Ok(bytes)
     }
 

@@ -54,7 +54,7 @@ impl GsdWriter {
     ) -> Result<Self> {
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(true);
-        let file = options.open(path).map_err(IoError::at(path, "create"))?;
+        let file = options.open(path).map_err(IoError::file(path, "create"))?;
         let names_location = HEADER_BYTES + FIRST_INDEX_ENTRIES * ENTRY_BYTES;
         let header = Header {
             index_location: HEADER_BYTES,
@@ -138,12 +138,12 @@ impl GsdWriter {
     pub fn sync(&mut self) -> Result<()> {
         self.file
             .sync_all()
-            .map_err(IoError::at(&self.path, "write"))
+            .map_err(IoError::file(&self.path, "write"))
     }
 
     /// Renames the file, replacing an existing file of this name.
     pub(super) fn rename(&mut self, path: &Path) -> Result<()> {
-        std::fs::rename(&self.path, path).map_err(IoError::at(path, "write"))?;
+        std::fs::rename(&self.path, path).map_err(IoError::file(path, "write"))?;
         self.path = path.to_owned();
         Ok(())
     }
@@ -231,7 +231,7 @@ impl GsdWriter {
         self.file
             .seek(SeekFrom::Start(location))
             .and_then(|_| self.file.write_all(bytes))
-            .map_err(IoError::at(&self.path, "write"))
+            .map_err(IoError::file(&self.path, "write"))
     }
 }
 

@@ -119,7 +119,7 @@ fn header(label: &str, volume: &Volume) -> Vec<u8> {
         // MAPC, MAPR, MAPS: columns along x, rows along y, sections along z.
         put(&mut header, 17 + axis, whole(axis + 1));
     }
-    let statistics = Statistics::of(&volume.values);
+    let statistics = Statistics::from_values(&volume.values);
     put(&mut header, 4, FLOATS.to_le_bytes());
     put(&mut header, 20, real(statistics.least));
     put(&mut header, 21, real(statistics.greatest));
@@ -160,7 +160,7 @@ struct Statistics {
 }
 
 impl Statistics {
-    fn of(values: &[f64]) -> Self {
+    fn from_values(values: &[f64]) -> Self {
         let count = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / count;
         let mut statistics = Self {

@@ -182,7 +182,7 @@ impl SetWriter {
     /// written.
     pub fn create(path: &Path, plan: SetPlan) -> Result<Self> {
         check_names(&plan.channels, &plan.implied)?;
-        std::fs::create_dir_all(path).map_err(IoError::at(path, "make the folder"))?;
+        std::fs::create_dir_all(path).map_err(IoError::file(path, "make the folder"))?;
         let store = layout::store(path)?;
         let voxels = plan.voxels;
         let index = Filling::new(&store, INDEX, Kind::Index, NO_INDEX, voxels)?;

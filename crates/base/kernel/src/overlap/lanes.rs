@@ -32,7 +32,7 @@ impl DiscBlock {
         half_thickness: [Disc::EMPTY.half_thickness; WIDTH],
     };
 
-    pub fn of(discs: &[Disc]) -> Self {
+    pub fn from_discs(discs: &[Disc]) -> Self {
         // Lanes without a child keep the empty disc, which every test rejects.
         let mut block = Self::EMPTY;
         for (lane, disc) in discs.iter().enumerate() {
@@ -269,7 +269,7 @@ mod tests {
         for _ in 0..500 {
             let disc = some_disc(&mut rng);
             let others: [Disc; WIDTH] = std::array::from_fn(|_| some_disc(&mut rng));
-            let found = separations(&disc, &DiscBlock::of(&others), rounding);
+            let found = separations(&disc, &DiscBlock::from_discs(&others), rounding);
             for (found, other) in found.into_iter().zip(&others) {
                 let plain = plain_separation(&disc, other);
                 let lost = plain - f64::from(found);

@@ -71,7 +71,7 @@ impl Builder<'_> {
             corners.push(self.corners(*triangle));
         }
         self.nodes.push(Node {
-            discs: DiscBlock::of(&discs),
+            discs: DiscBlock::from_discs(&discs),
             children,
             is_leaf,
             bound: Disc::around_triangles(&corners),

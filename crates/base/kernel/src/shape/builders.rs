@@ -184,7 +184,7 @@ mod tests {
         ] {
             let shape = by_name(name).unwrap();
             assert_eq!(shape.corners(), corners, "{name}");
-            let found = Measures::of(&shape, 0.0).unwrap().volume;
+            let found = Measures::from_shape(&shape, 0.0).unwrap().volume;
             assert!(
                 (found / volume - 1.0).abs() < 1e-12,
                 "{name} {found} {volume}"

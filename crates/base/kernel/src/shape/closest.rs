@@ -95,7 +95,7 @@ pub fn closest_points(first: &[Vec3], second: &[Vec3]) -> Option<ClosestPoints> 
     // The direction between two corners is as good a start as any, and never empty.
     let mut simplex = vec![corner(&(second.first()? - first.first()?))?];
     let mut size_squared = simplex[0].difference.norm_squared();
-    let mut nearest = Nearest::of(&simplex);
+    let mut nearest = Nearest::from_simplex(&simplex);
     for _ in 0..MOST_STEPS {
         let squared = nearest.point.norm_squared();
         if squared <= TOUCHING * TOUCHING * size_squared {
@@ -113,12 +113,12 @@ pub fn closest_points(first: &[Vec3], second: &[Vec3]) -> Option<ClosestPoints> 
         // At most three corners carry a point outside the origin, so the new one is the fourth.
         nearest.keep_carriers(&mut simplex);
         simplex.push(next);
-        let closer = Nearest::of(&simplex);
+        let closer = Nearest::from_simplex(&simplex);
         if closer.point.norm_squared() >= squared {
             // Rounding: the simplex is as near as numbers can tell.
             simplex.pop();
             // The weights must belong to the corners that are left.
-            nearest = Nearest::of(&simplex);
+            nearest = Nearest::from_simplex(&simplex);
             break;
         }
         nearest = closer;
@@ -155,7 +155,7 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    pub(super) fn of(simplex: &[Corner]) -> Self {
+    pub(super) fn from_simplex(simplex: &[Corner]) -> Self {
         let mut best = Self {
             point: Vec3::repeat(f64::INFINITY),
             weights: [0.0; 4],
@@ -171,7 +171,7 @@ impl Nearest {
         best
     }
 
-    /// Variant of [`Nearest::of`] for a simplex that probably carries its nearest point with all of
+    /// Variant of [`Nearest::from_simplex`] for a simplex that probably carries its nearest point with all of
     /// its corners. The nearest point of the plane, line or point through them is the nearest of
     /// all, if it is inside. Slivers, whose projection suffers from rounding, are left to `of`.
     pub(super) fn of_carriers(simplex: &[Corner]) -> Self {
@@ -187,7 +187,7 @@ impl Nearest {
         };
         let whole = (1 << simplex.len()) - 1;
         let candidate = is_wide.then(|| Self::on_face(simplex, whole)).flatten();
-        candidate.unwrap_or_else(|| Self::of(simplex))
+        candidate.unwrap_or_else(|| Self::from_simplex(simplex))
     }
 
     /// The projection of the origin on the plane through the corners whose bits are set; `None` if
@@ -345,7 +345,7 @@ mod tests {
     fn compare(names: &[&str], poses: usize, seed: u64) {
         let shapes: Vec<Polytope> = names
             .iter()
-            .map(|name| Polytope::of(&by_name(name).unwrap()).unwrap())
+            .map(|name| Polytope::from_shape(&by_name(name).unwrap()).unwrap())
             .collect();
         let mut rng = CounterRng::new(seed, 0, 0);
         let mut overlaps = 0;
@@ -404,7 +404,7 @@ mod tests {
 
     #[test]
     fn equal_bodies_at_equal_heights_give_the_gap() {
-        let cube = Polytope::of(&by_name("cube").unwrap()).unwrap();
+        let cube = Polytope::from_shape(&by_name("cube").unwrap()).unwrap();
         for shift in [0.0, 0.3, 0.999, 1.0] {
             let above = Pose {
                 position: Vec3::new(shift, 0.2, 1.25),

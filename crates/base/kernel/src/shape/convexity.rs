@@ -64,7 +64,7 @@ impl Shape {
         }
         let numbers: Vec<f64> = mesh.vertices.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
         require_finite(&numbers)?;
-        let hull = Hull::of(&vertices_of_faces(mesh));
+        let hull = Hull::from_points(&vertices_of_faces(mesh));
         match hull {
             Hull::Polyhedron(_) => require_volume_of(&hull, mesh)?,
             Hull::Polygon(_) => require_area_of(&hull, mesh)?,
@@ -232,7 +232,7 @@ mod tests {
         };
         let caps = mesh.triangles.clone();
         mesh.triangles.extend(twisted(true));
-        assert_eq!(Hull::of(&mesh.vertices).corners().len(), 6);
+        assert_eq!(Hull::from_points(&mesh.vertices).corners().len(), 6);
         let first = Shape::mesh(&mesh).is_ok();
         mesh.triangles = caps;
         mesh.triangles.extend(twisted(false));

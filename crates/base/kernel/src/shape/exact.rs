@@ -38,7 +38,7 @@ pub type Faces = [Vec<usize>];
 /// assert!(at(1.0) && !at(1.0 + f64::EPSILON));
 /// ```
 pub fn overlap_exactly<const D: usize>(pair: &Pair<'_, D>, faces: [&Faces; 2]) -> bool {
-    let places = Places::of(pair);
+    let places = Places::from_pair(pair);
     let sides = [&places.first, &places.second];
     let edges = [0, 1].map(|body: usize| edges_of(sides[body], faces[body]));
     // In a plane the axes are the normals of the edges.
@@ -108,7 +108,7 @@ struct Places {
 }
 
 impl Places {
-    fn of<const D: usize>(pair: &Pair<'_, D>) -> Self {
+    fn from_pair<const D: usize>(pair: &Pair<'_, D>) -> Self {
         let mut offset = Vec3::zeros();
         for (axis, x) in pair.offset.iter().enumerate() {
             offset[axis] = *x;

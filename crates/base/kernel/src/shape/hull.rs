@@ -32,8 +32,8 @@ pub enum Hull {
 
 impl Hull {
     /// The hull of points, of which there must be one or more.
-    pub(super) fn of(points: &[Vec3]) -> Self {
-        let Some(extent) = Extent::of(points) else {
+    pub(super) fn from_points(points: &[Vec3]) -> Self {
+        let Some(extent) = Extent::from_points(points) else {
             return Hull::Point(points.first().copied().unwrap_or_default());
         };
         let Some(third) = extent.third else {
@@ -121,7 +121,7 @@ struct Extent {
 
 impl Extent {
     /// Finds the extent; `None` if all points coincide.
-    fn of(points: &[Vec3]) -> Option<Self> {
+    fn from_points(points: &[Vec3]) -> Option<Self> {
         // Two passes give corners that are far apart; the exact diameter is not needed.
         let first = farthest(points, |x| (x - points[0]).norm())?.0;
         let (second, size) = farthest(points, |x| (x - points[first]).norm())?;
@@ -269,7 +269,7 @@ mod tests {
             let at = [place % 5, place / 5 % 5, place / 25].map(f64::from);
             points.push(Vec3::from(at));
         }
-        let Hull::Polyhedron(mesh) = Hull::of(&points) else {
+        let Hull::Polyhedron(mesh) = Hull::from_points(&points) else {
             panic!("a cube is a polyhedron");
         };
         assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (8, 12));
@@ -286,7 +286,7 @@ mod tests {
         let mut rng = CounterRng::new(11, 0, 0);
         for number in [4, 5, 8, 30, 200] {
             let points: Vec<Vec3> = (0..number).map(|_| rng.vector_in_ball(1.0)).collect();
-            let Hull::Polyhedron(mesh) = Hull::of(&points) else {
+            let Hull::Polyhedron(mesh) = Hull::from_points(&points) else {
                 panic!("{number} random points are a polyhedron");
             };
             for triangle in 0..mesh.triangles.len() {
@@ -302,12 +302,12 @@ mod tests {
     #[test]
     fn thin_hulls_are_what_they_are() {
         let point = Vec3::new(1.0, 2.0, 3.0);
-        assert_eq!(Hull::of(&[point, point]), Hull::Point(point));
+        assert_eq!(Hull::from_points(&[point, point]), Hull::Point(point));
         let line = [0.0, 2.0, 1.0].map(|t| point + t * Vec3::new(1.0, 1.0, 0.0));
-        assert_eq!(Hull::of(&line).corners().len(), 2);
+        assert_eq!(Hull::from_points(&line).corners().len(), 2);
         let tilted = |x: f64, y: f64| Vec3::new(x, y, 0.3 * x - 0.2 * y);
         let flat = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.5, 0.5)];
-        let hull = Hull::of(&flat.map(|(x, y)| tilted(x, y)));
+        let hull = Hull::from_points(&flat.map(|(x, y)| tilted(x, y)));
         assert!(matches!(&hull, Hull::Polygon(corners) if corners.len() == 4));
     }
 }

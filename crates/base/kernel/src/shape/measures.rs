@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 ///
 /// ```
 /// use protomer_kernel::shape::{builders::by_name, measures::Measures};
-/// let square = Measures::of(&by_name("polygon:4")?, 0.0)?;
+/// let square = Measures::from_shape(&by_name("polygon:4")?, 0.0)?;
 /// // A + P²/4π
 /// assert!((square.b2 - (1.0 + 16.0 / (4.0 * std::f64::consts::PI))).abs() < 1e-12);
 /// # Ok::<(), protomer_kernel::KernelError>(())
@@ -43,18 +43,18 @@ impl Measures {
     /// ```
     /// use protomer_kernel::shape::{builders::by_name, measures::Measures};
     /// let cube = by_name("cube")?;
-    /// assert!((Measures::of(&cube, 0.0)?.surface - 6.0).abs() < 1e-12);
+    /// assert!((Measures::from_shape(&cube, 0.0)?.surface - 6.0).abs() < 1e-12);
     /// // Six faces, a quarter of a cylinder at each of twelve edges, a ball at the corners.
     /// let pi = std::f64::consts::PI;
     /// let rounded = 6.0 + 12.0 * pi / 2.0 * 0.1 + 4.0 * pi * 0.01;
-    /// assert!((Measures::of(&cube, 0.1)?.surface - rounded).abs() < 1e-12);
+    /// assert!((Measures::from_shape(&cube, 0.1)?.surface - rounded).abs() < 1e-12);
     /// # Ok::<(), protomer_kernel::KernelError>(())
     /// ```
     ///
     /// # Errors
     /// [`KernelError::OutOfRange`] for a negative radius; [`KernelError::BadShape`] for a shape
     /// without volume.
-    pub fn of(shape: &Shape, rounding_radius: f64) -> Result<Self> {
+    pub fn from_shape(shape: &Shape, rounding_radius: f64) -> Result<Self> {
         check_rounding(rounding_radius)?;
         let measures = match shape {
             Shape::Flat(corners) => of_polygon(corners, rounding_radius),
@@ -227,7 +227,7 @@ mod tests {
             ("octahedron", root_2 / 3.0, 2.0 * root_3, 6.0 * third),
             ("cuboid:1,2,3", 6.0, 22.0, 6.0 * PI),
         ] {
-            let measures = Measures::of(&by_name(name).unwrap(), 0.0).unwrap();
+            let measures = Measures::from_shape(&by_name(name).unwrap(), 0.0).unwrap();
             assert_near(measures.volume, volume);
             assert_near(measures.surface, surface);
             assert_near(measures.integrated_mean_curvature, curvature);
@@ -238,18 +238,18 @@ mod tests {
     #[test]
     fn balls_disks_and_rods_are_rounded_points_and_segments() {
         let ball = Shape::solid(&[Vec3::zeros()]).unwrap();
-        let ball = Measures::of(&ball, 0.5).unwrap();
+        let ball = Measures::from_shape(&ball, 0.5).unwrap();
         assert_near(ball.volume, PI / 6.0);
         assert_near(ball.b2, 4.0 * PI / 6.0);
-        let disk = Measures::of(&Shape::flat(&[[1.0, 1.0]]).unwrap(), 0.5).unwrap();
+        let disk = Measures::from_shape(&Shape::flat(&[[1.0, 1.0]]).unwrap(), 0.5).unwrap();
         assert_near(disk.volume, PI / 4.0);
         assert_near(disk.b2, 2.0 * PI / 4.0);
         let rod = Shape::solid(&[Vec3::zeros(), 3.0 * Vec3::x()]).unwrap();
-        let rod = Measures::of(&rod, 0.5).unwrap();
+        let rod = Measures::from_shape(&rod, 0.5).unwrap();
         assert_near(rod.volume, PI * 0.25 * 3.0 + PI / 6.0);
         assert_near(rod.surface, PI * 3.0 + PI);
         let stadium = Shape::flat(&[[0.0, 0.0], [3.0, 0.0]]).unwrap();
-        let stadium = Measures::of(&stadium, 0.5).unwrap();
+        let stadium = Measures::from_shape(&stadium, 0.5).unwrap();
         assert_near(stadium.volume, 3.0 + PI / 4.0);
         assert_near(stadium.surface, 6.0 + PI);
     }
@@ -262,7 +262,7 @@ mod tests {
                 Vec3::new(2.0 * bit(0), bit(1), height * bit(2))
             };
             let points: Vec<Vec3> = (0..8).map(corner).collect();
-            Measures::of(&Shape::solid(&points).unwrap(), 0.3).unwrap()
+            Measures::from_shape(&Shape::solid(&points).unwrap(), 0.3).unwrap()
         };
         let (flat, thin) = (plate(0.0), plate(1e-7));
         assert!((flat.volume / thin.volume - 1.0).abs() < 1e-6);
@@ -272,9 +272,9 @@ mod tests {
     #[test]
     fn without_volume_and_with_negative_rounding_it_is_refused() {
         let flat = Shape::flat(&[[0.0, 0.0], [1.0, 0.0]]).unwrap();
-        let no_volume = Measures::of(&flat, 0.0).unwrap_err().to_string();
+        let no_volume = Measures::from_shape(&flat, 0.0).unwrap_err().to_string();
         assert!(no_volume.contains("no volume"), "{no_volume}");
-        assert!(Measures::of(&flat, -1.0).is_err());
-        assert!(Measures::of(&flat, f64::NAN).is_err());
+        assert!(Measures::from_shape(&flat, -1.0).is_err());
+        assert!(Measures::from_shape(&flat, f64::NAN).is_err());
     }
 }

@@ -19,7 +19,7 @@
 //! ```
 //! use protomer_kernel::shape::{builders, measures::Measures};
 //! let cube = builders::by_name("cube")?;
-//! let measures = Measures::of(&cube, 0.0)?;
+//! let measures = Measures::from_shape(&cube, 0.0)?;
 //! assert!((measures.volume - 1.0).abs() < 1e-12);
 //! assert!((measures.b2 - 5.5).abs() < 1e-12);
 //! # Ok::<(), protomer_kernel::KernelError>(())
@@ -91,7 +91,7 @@ impl Shape {
     pub fn solid(points: &[Vec3]) -> Result<Self> {
         let numbers: Vec<f64> = points.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
         require_finite(&numbers)?;
-        Ok(Shape::Solid(Hull::of(points)))
+        Ok(Shape::Solid(Hull::from_points(points)))
     }
 
     /// Number of dimensions, 2 or 3.

@@ -14,7 +14,7 @@ const ONE_FACE: f64 = 1e-9;
 ///
 /// ```
 /// use protomer_kernel::shape::{builders, polytope::Polytope};
-/// let cube = Polytope::of(&builders::by_name("cube")?)?;
+/// let cube = Polytope::from_shape(&builders::by_name("cube")?)?;
 /// assert_eq!((cube.corners.len(), cube.edges.len(), cube.faces.len()), (8, 12, 6));
 /// assert!((cube.inradius() - 0.5).abs() < 1e-12);
 /// # Ok::<(), protomer_kernel::KernelError>(())
@@ -35,7 +35,7 @@ pub struct Polytope {
 ///
 /// ```
 /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
-/// let cuboid = Polytope::of(&by_name("cuboid:2,4,6")?)?;
+/// let cuboid = Polytope::from_shape(&by_name("cuboid:2,4,6")?)?;
 /// let mut offsets: Vec<f64> = cuboid.faces.iter().map(|face| face.offset).collect();
 /// offsets.sort_by(f64::total_cmp);
 /// assert!((offsets[0] - 1.0).abs() < 1e-12 && (offsets[5] - 3.0).abs() < 1e-12);
@@ -56,15 +56,15 @@ impl Polytope {
     ///
     /// ```
     /// use protomer_kernel::shape::{Shape, builders::by_name, polytope::Polytope};
-    /// let cube = Polytope::of(&by_name("cube")?)?;
+    /// let cube = Polytope::from_shape(&by_name("cube")?)?;
     /// assert_eq!((cube.corners.len(), cube.edges.len(), cube.faces.len()), (8, 12, 6));
-    /// assert!(Polytope::of(&Shape::flat(&[[0.0, 0.0], [1.0, 0.0]])?).is_err(), "a segment has no area");
+    /// assert!(Polytope::from_shape(&Shape::flat(&[[0.0, 0.0], [1.0, 0.0]])?).is_err(), "a segment has no area");
     /// # Ok::<(), protomer_kernel::KernelError>(())
     /// ```
     ///
     /// # Errors
     /// [`KernelError::BadShape`] for a shape without area or volume.
-    pub fn of(shape: &Shape) -> Result<Self> {
+    pub fn from_shape(shape: &Shape) -> Result<Self> {
         match shape {
             Shape::Flat(corners) if corners.len() > 2 => Ok(Self::of_polygon(corners)),
             Shape::Solid(Hull::Polyhedron(mesh)) => Ok(Self::of_mesh(mesh)),
@@ -89,9 +89,9 @@ impl Polytope {
     /// ```
     ///
     /// # Errors
-    /// As [`Polytope::of`].
+    /// As [`Polytope::from_shape`].
     pub fn placed(shape: &Shape) -> Result<(Self, Vec3)> {
-        let polytope = Self::of(shape)?;
+        let polytope = Self::from_shape(shape)?;
         let centroid = shape.corner_points()[0] - polytope.corners[0];
         Ok((polytope, centroid))
     }
@@ -156,7 +156,7 @@ impl Polytope {
     ///
     /// ```
     /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
-    /// let cuboid = Polytope::of(&by_name("cuboid:2,4,6")?)?;
+    /// let cuboid = Polytope::from_shape(&by_name("cuboid:2,4,6")?)?;
     /// assert!((cuboid.inradius() - 1.0).abs() < 1e-12, "half of the shortest edge");
     /// # Ok::<(), protomer_kernel::KernelError>(())
     /// ```
@@ -169,7 +169,7 @@ impl Polytope {
     ///
     /// ```
     /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
-    /// let cuboid = Polytope::of(&by_name("cuboid:2,4,4")?)?;
+    /// let cuboid = Polytope::from_shape(&by_name("cuboid:2,4,4")?)?;
     /// assert!((cuboid.circumradius() - 3.0).abs() < 1e-12);
     /// # Ok::<(), protomer_kernel::KernelError>(())
     /// ```
@@ -182,7 +182,7 @@ impl Polytope {
     /// ```
     /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
     /// use protomer_kernel::{Pose, Vec3};
-    /// let cube = Polytope::of(&by_name("cuboid:2,2,2")?)?;
+    /// let cube = Polytope::from_shape(&by_name("cuboid:2,2,2")?)?;
     /// let pose = Pose { position: Vec3::new(10.0, 0.0, 0.0), ..Pose::identity() };
     /// assert!(cube.corners_at(&pose).iter().all(|corner| (corner.x - 10.0).abs() < 1.0 + 1e-12));
     /// # Ok::<(), protomer_kernel::KernelError>(())
@@ -198,7 +198,7 @@ impl Polytope {
     /// ```
     /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
     /// use protomer_kernel::Vec3;
-    /// let cuboid = Polytope::of(&by_name("cuboid:2,4,6")?)?;
+    /// let cuboid = Polytope::from_shape(&by_name("cuboid:2,4,6")?)?;
     /// let face = cuboid.face_towards(&Vec3::new(1.0, 1.0, 1.0));
     /// assert!((face.normal - Vec3::x()).norm() < 1e-12, "the nearest face is met first");
     /// # Ok::<(), protomer_kernel::KernelError>(())
@@ -317,7 +317,7 @@ mod tests {
             ("rhombic-dodecahedron", 14, 24, 12),
             ("prism:6,1", 12, 18, 8),
         ] {
-            let body = Polytope::of(&by_name(name).unwrap()).unwrap();
+            let body = Polytope::from_shape(&by_name(name).unwrap()).unwrap();
             let counted = (body.corners.len(), body.edges.len(), body.faces.len());
             assert_eq!(counted, (corners, edges, faces), "{name}");
             for face in &body.faces {
@@ -327,7 +327,7 @@ mod tests {
                 assert_eq!(in_plane.count(), face.corners.len(), "{name}");
             }
         }
-        let hexagon = Polytope::of(&by_name("polygon:6").unwrap()).unwrap();
+        let hexagon = Polytope::from_shape(&by_name("polygon:6").unwrap()).unwrap();
         assert_eq!((hexagon.corners.len(), hexagon.faces.len()), (6, 6));
         assert!(hexagon.faces.iter().all(|face| face.offset > 0.0));
     }
@@ -336,26 +336,26 @@ mod tests {
     fn the_centroid_is_the_origin() {
         let shift = Vec3::new(3.0, -2.0, 5.0);
         let points = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()].map(|x| x + shift);
-        let body = Polytope::of(&Shape::solid(&points).unwrap()).unwrap();
+        let body = Polytope::from_shape(&Shape::solid(&points).unwrap()).unwrap();
         assert!(body.corners.iter().sum::<Vec3>().norm() < 1e-12);
         // A right triangle: the mean of its corners.
         let triangle = Shape::flat(&[[1.0, 1.0], [4.0, 1.0], [1.0, 7.0]]).unwrap();
-        let body = Polytope::of(&triangle).unwrap();
+        let body = Polytope::from_shape(&triangle).unwrap();
         assert!((body.corners[0] - Vec3::new(-1.0, -2.0, 0.0)).norm() < 1e-12);
         // A trapezium, whose centroid is not the mean of its corners.
         let wide = Shape::flat(&[[0.0, 0.0], [3.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).unwrap();
-        let body = Polytope::of(&wide).unwrap();
+        let body = Polytope::from_shape(&wide).unwrap();
         let height = -body.corners[0].y;
         assert!((height - 5.0 / 12.0).abs() < 1e-12, "{height}");
     }
 
     #[test]
     fn a_ray_leaves_through_the_face_it_meets() {
-        let cube = Polytope::of(&by_name("cuboid:1,2,3").unwrap()).unwrap();
+        let cube = Polytope::from_shape(&by_name("cuboid:1,2,3").unwrap()).unwrap();
         let face = cube.face_towards(&Vec3::new(0.4, 0.9, 0.1));
         assert!((face.normal - Vec3::y()).norm() < 1e-12);
         let face = cube.face_towards(&Vec3::new(-0.6, 0.9, 0.1));
         assert!((face.normal + Vec3::x()).norm() < 1e-12);
-        assert!(Polytope::of(&Shape::flat(&[[0.0, 0.0], [1.0, 0.0]]).unwrap()).is_err());
+        assert!(Polytope::from_shape(&Shape::flat(&[[0.0, 0.0], [1.0, 0.0]]).unwrap()).is_err());
     }
 }

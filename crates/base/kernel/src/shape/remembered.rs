@@ -195,7 +195,7 @@ mod tests {
     fn it_agrees_with_the_walk_from_nothing_along_a_path() {
         let mut rng = CounterRng::new(5, 0, 0);
         for name in ["cube", "octahedron", "prism:5,0.2", "icosahedron"] {
-            let body = Polytope::of(&by_name(name).unwrap()).unwrap();
+            let body = Polytope::from_shape(&by_name(name).unwrap()).unwrap();
             let reach = 2.0 * body.circumradius();
             let mut simplex = Simplex::default();
             let (mut seen, mut touching) = (0, 0);

@@ -91,7 +91,7 @@ struct Body {
 
 impl Body {
     fn named(name: &str, scale: f64) -> Self {
-        let body = Polytope::of(&by_name(name).unwrap()).unwrap();
+        let body = Polytope::from_shape(&by_name(name).unwrap()).unwrap();
         Self {
             corners: body.corners.iter().map(|x| x * scale).collect(),
             faces: body.faces.iter().map(|face| face.corners.clone()).collect(),

@@ -14,7 +14,7 @@ fn turned(vectors: &[Vec3], rotation: &Rotation) -> Vec<[f64; 3]> {
 
 #[test]
 fn rounded_bodies_overlap_where_the_distance_of_their_cores_says_so() {
-    let body = Polytope::of(&by_name("truncated-tetrahedron:0.5").unwrap()).unwrap();
+    let body = Polytope::from_shape(&by_name("truncated-tetrahedron:0.5").unwrap()).unwrap();
     let corners = body.corners;
     let mut apart = 0;
     for number in 0..4000 {

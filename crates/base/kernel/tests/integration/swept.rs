@@ -9,7 +9,7 @@ use protomer_kernel::shape::swept::Swept;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use std::f64::consts::PI;
 
-fn at(x: f64, y: f64, z: f64) -> Pose {
+fn placed(x: f64, y: f64, z: f64) -> Pose {
     turned([x, y, z], [1.0, 0.0, 0.0, 0.0])
 }
 
@@ -39,8 +39,9 @@ fn balls_share_a_lens() {
         ([1.0, 0.2], 0.0, 4.0 / 3.0 * PI * 0.008),
         ([0.5, 0.5], 1.01, 0.0),
     ] {
-        let first = Swept::new(&point(), radii[0], &at(0.0, 0.0, 0.0)).unwrap();
-        let second = Swept::new(&point(), radii[1], &at(0.0, 0.6 * apart, 0.8 * apart)).unwrap();
+        let first = Swept::new(&point(), radii[0], &placed(0.0, 0.0, 0.0)).unwrap();
+        let second =
+            Swept::new(&point(), radii[1], &placed(0.0, 0.6 * apart, 0.8 * apart)).unwrap();
         assert_near(first.overlap(&second), expected, 1e-9);
         assert_near(second.overlap(&first), expected, 1e-9);
     }
@@ -55,9 +56,9 @@ fn a_body_within_another_is_shared_wholly() {
         ("polygon:5", 0.15),
     ] {
         let shape = by_name(name).unwrap();
-        let volume = Measures::of(&shape, radius).unwrap().volume;
-        let small = Swept::new(&shape, radius, &at(0.1, -0.2, 0.0)).unwrap();
-        let large = Swept::new(&point_like(&shape), 5.0, &at(0.0, 0.0, 0.0)).unwrap();
+        let volume = Measures::from_shape(&shape, radius).unwrap().volume;
+        let small = Swept::new(&shape, radius, &placed(0.1, -0.2, 0.0)).unwrap();
+        let large = Swept::new(&point_like(&shape), 5.0, &placed(0.0, 0.0, 0.0)).unwrap();
         assert_near(small.overlap(&large), volume, 1e-6 * volume);
     }
 }
@@ -74,8 +75,8 @@ fn point_like(shape: &Shape) -> Shape {
 #[test]
 fn cuboids_share_a_cuboid() {
     let cube = by_name("cube").unwrap();
-    let first = Swept::new(&cube, 0.0, &at(0.0, 0.0, 0.0)).unwrap();
-    let second = Swept::new(&cube, 0.0, &at(0.6, -0.3, 0.2)).unwrap();
+    let first = Swept::new(&cube, 0.0, &placed(0.0, 0.0, 0.0)).unwrap();
+    let second = Swept::new(&cube, 0.0, &placed(0.6, -0.3, 0.2)).unwrap();
     assert_near(first.overlap(&second), 0.4 * 0.7 * 0.8, 1e-8);
     let square = by_name("polygon:4").unwrap();
     let half_turn = Rotation::from_scaled_axis(PI / 4.0 * Vec3::z());
@@ -144,7 +145,7 @@ fn intervals_are_those_of_the_distance() {
 #[test]
 fn an_overlap_is_what_a_grid_of_points_finds() {
     let shape = by_name("truncated-tetrahedron:0.6667").unwrap();
-    let first = Swept::new(&shape, 0.2, &at(0.0, 0.0, 0.0)).unwrap();
+    let first = Swept::new(&shape, 0.2, &placed(0.0, 0.0, 0.0)).unwrap();
     let second = turned([0.3, 0.65, -0.2], [0.7, 0.2, -0.4, 0.5]);
     let second = Swept::new(&shape, 0.2, &second).unwrap();
     // A box around what is shared.

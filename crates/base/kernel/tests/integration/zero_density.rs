@@ -14,7 +14,7 @@ const ANGLES: usize = 720;
 /// The part of all angles at which a second polygon at a place overlaps none of the first, which has a
 /// face along +x.
 fn free_fraction(corners: usize, place: [f64; 2]) -> f64 {
-    let body = Polytope::of(&by_name(&format!("polygon:{corners}")).unwrap()).unwrap();
+    let body = Polytope::from_shape(&by_name(&format!("polygon:{corners}")).unwrap()).unwrap();
     let edges: Vec<Vec<usize>> = body.faces.iter().map(|face| face.corners.clone()).collect();
     let turned = |angle: f64| {
         let rotation = Rotation::from_scaled_axis(angle * Vec3::z());

@@ -95,7 +95,7 @@ pub fn body_types_of_units(
             remedy: "select some of them or a smaller assembly".into(),
         });
     }
-    let chains: Vec<Chain> = units.iter().map(Chain::of).collect();
+    let chains: Vec<Chain> = units.iter().map(Chain::from_unit).collect();
     let mut types = Vec::new();
     for family in families(&chains) {
         for part in by_shape(&chains, &family, with_own_shape)? {
@@ -191,7 +191,7 @@ pub(super) struct Chain<'a> {
 type Number<'a> = (usize, i32, &'a str, usize);
 
 impl<'a> Chain<'a> {
-    pub(super) fn of(unit: &'a Unit) -> Self {
+    pub(super) fn from_unit(unit: &'a Unit) -> Self {
         let mut chain = Self {
             name: &unit.name,
             chains: unit.chains.len(),

@@ -23,7 +23,7 @@ impl HardBody {
     ///
     /// # Errors
     /// [`BodyError::Kernel`](crate::BodyError::Kernel) for a mesh that bounds no solid.
-    pub fn of(body: &Body) -> Result<Self> {
+    pub fn from_body(body: &Body) -> Result<Self> {
         let mut points = Vec::new();
         for site in &body.sites {
             points.push(site.position);
@@ -58,7 +58,7 @@ pub struct SymmetricAssembly {
 /// # let ball = PointRecord { radius_angstrom: 5.0, ..PointRecord::default() };
 /// # let source = Source { file: "ball.xyzr", sha256: "" };
 /// # let body = build_body_of_points("ball", source, &[ball], &SurfaceSettings::default())?.body;
-/// let bodies = HardBodies::new(vec![HardBody::of(&body)?]);
+/// let bodies = HardBodies::new(vec![HardBody::from_body(&body)?]);
 /// let ring = bodies.close(&Recipe::ring(4, &[RecipeSite::upright(0)]), 1.0)?;
 /// assert!(!bodies.any_overlap(&ring.placements));
 /// // Four balls of radius 5 Å, 1 Å apart: their centres lie on a square of edge 11 Å.
@@ -122,7 +122,7 @@ impl HardBodies {
     /// # let ball = PointRecord { radius_angstrom: 5.0, ..PointRecord::default() };
     /// # let source = Source { file: "ball.xyzr", sha256: "" };
     /// # let body = build_body_of_points("ball", source, &[ball], &SurfaceSettings::default())?.body;
-    /// let balls = HardBodies::new(vec![HardBody::of(&body)?]);
+    /// let balls = HardBodies::new(vec![HardBody::from_body(&body)?]);
     /// let ball_at = |x| (0, Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() });
     /// assert!(balls.overlap_in_open_space(&ball_at(0.0), &ball_at(9.0)));
     /// assert!(!balls.overlap_in_open_space(&ball_at(0.0), &ball_at(11.0)));
@@ -209,7 +209,7 @@ impl HardBodies {
     /// # let ball = PointRecord { radius_angstrom: 5.0, ..PointRecord::default() };
     /// # let source = Source { file: "ball.xyzr", sha256: "" };
     /// # let body = build_body_of_points("ball", source, &[ball], &SurfaceSettings::default())?.body;
-    /// let bodies = HardBodies::new(vec![HardBody::of(&body)?]);
+    /// let bodies = HardBodies::new(vec![HardBody::from_body(&body)?]);
     /// let fluid = bodies.insert_at_random(&[10], [60.0; 3], 7)?;
     /// assert_eq!(fluid.len(), 10);
     /// # Ok::<(), protomer_body::BodyError>(())

@@ -73,7 +73,7 @@ pub struct Joined {
 pub fn joined_units(units: &[Unit]) -> Vec<Joined> {
     let mut links: BTreeMap<(usize, usize), JoinedBy> = BTreeMap::new();
     let mut base_pairs: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    let atoms = Atoms::of(units);
+    let atoms = Atoms::from_units(units);
     atoms
         .cells
         .for_each_pair(BASE_PAIR_ANGSTROM.1, |one, other| {
@@ -171,7 +171,7 @@ struct Atoms<'a> {
 }
 
 impl<'a> Atoms<'a> {
-    fn of(units: &'a [Unit]) -> Self {
+    fn from_units(units: &'a [Unit]) -> Self {
         let mut list = Vec::new();
         for (unit, of_unit) in units.iter().enumerate() {
             for residue in &of_unit.residues {

@@ -51,10 +51,10 @@ impl ResidueContacts {
         let mut atoms = Vec::new();
         let mut placed = placements.iter();
         for of_type in types {
-            let reference = Chain::of(&units[of_type.unit]);
+            let reference = Chain::from_unit(&units[of_type.unit]);
             let origin = centroid(&units[of_type.unit]);
             for (copy, (_, pose)) in of_type.copies.iter().zip(&mut placed) {
-                let places = reference.places_in(&Chain::of(&units[copy.unit]));
+                let places = reference.places_in(&Chain::from_unit(&units[copy.unit]));
                 for (residue, place) in units[of_type.unit].residues.iter().zip(places) {
                     let Some(place) = place else {
                         continue;

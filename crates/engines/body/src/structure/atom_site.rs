@@ -72,7 +72,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(source: &str, row: &Row) -> Result<Self> {
+    fn from_row(source: &str, row: &Row) -> Result<Self> {
         let find = |item: &str| row.items.iter().position(|name| name == item);
         let require = |item: &str| {
             let remedy = "give an mmCIF file with Cartesian coordinates";
@@ -99,12 +99,12 @@ struct Cells<'a, 'r> {
 }
 
 impl<'a> Cells<'a, '_> {
-    fn at(&self, column: usize) -> Option<&'a str> {
+    fn cell(&self, column: usize) -> Option<&'a str> {
         self.row.values.get(column).copied().flatten()
     }
 
     fn get(&self, item: Item) -> Option<&'a str> {
-        self.at(self.columns.optional[item as usize]?)
+        self.cell(self.columns.optional[item as usize]?)
     }
 
     /// The first of two items that has a value.
@@ -132,7 +132,7 @@ impl<'a> Cells<'a, '_> {
 
     fn coordinate(&self, name: &str, column: usize) -> Result<f64> {
         const LARGEST_ANGSTROM: f64 = 1e6;
-        let text = self.at(column).unwrap_or("?");
+        let text = self.cell(column).unwrap_or("?");
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() && value.abs() <= LARGEST_ANGSTROM => Ok(value),
             _ => Err(self.error(format!("{name} is {}, not a coordinate in Å", quoted(text)))),
@@ -175,7 +175,7 @@ impl AtomSites {
     ) -> Result<()> {
         let columns = match self.columns.take() {
             Some(columns) if columns.width == row.items.len() => columns,
-            _ => Columns::of(&structure.source, row)?,
+            _ => Columns::from_row(&structure.source, row)?,
         };
         let cells = Cells {
             source: &structure.source,

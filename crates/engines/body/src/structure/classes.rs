@@ -58,7 +58,7 @@ impl ResidueClass {
     /// The class by the residue's name and atoms. `is_in_chain` says whether it is in a polymer or
     /// bonded to one ([`super::residues::in_chain`]). Anything outside is a ligand, even an amino
     /// acid; an unknown name is taken for an amino acid only inside.
-    pub(crate) fn of(name: &str, atoms: &[&Atom], is_in_chain: bool) -> Self {
+    pub(crate) fn classify(name: &str, atoms: &[&Atom], is_in_chain: bool) -> Self {
         if residue_names::is_water(name) {
             return ResidueClass::Water;
         }

@@ -27,7 +27,7 @@ pub(crate) fn mark_disulfides(
     residues: &mut [SelectedResidue],
     records: &[RecordedDisulfide],
 ) -> Vec<Disulfide> {
-    let cysteines = Cysteines::of(residues);
+    let cysteines = Cysteines::from_residues(residues);
     let mut bonds = Bonds {
         is_bonded: vec![false; cysteines.list.len()],
         list: Vec::new(),
@@ -101,7 +101,7 @@ impl Cysteines {
     /// many sulfurs in one place.
     const MOST_PER_CELL: usize = 32;
 
-    fn of(residues: &[SelectedResidue]) -> Self {
+    fn from_residues(residues: &[SelectedResidue]) -> Self {
         let mut cysteines = Self {
             list: Vec::new(),
             by_source: HashMap::new(),

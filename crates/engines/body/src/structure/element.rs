@@ -13,7 +13,7 @@ const SYMBOLS: &str = "\
     FM MD NO LR D X";
 
 /// The symbol in upper case if it names an element.
-pub(crate) fn known(symbol: &str) -> Option<&'static str> {
+pub(crate) fn parse_symbol(symbol: &str) -> Option<&'static str> {
     let symbol = symbol.trim();
     if symbol.is_empty() || symbol.len() > 2 {
         return None;
@@ -39,7 +39,7 @@ pub(crate) struct Statement<'a> {
 /// first letters of the name (`CA` for Cα). Otherwise the column decides, then the residue name of
 /// an ion, then the atom name.
 pub(crate) fn of_atom(statement: &Statement) -> (&'static str, bool) {
-    let stated = known(statement.symbol);
+    let stated = parse_symbol(statement.symbol);
     if let Some(element) = standard(statement) {
         let is_same =
             stated.is_none_or(|stated| stated == element || is_deuterium(stated, element));
@@ -79,7 +79,7 @@ fn standard(statement: &Statement) -> Option<&'static str> {
     match first {
         "Q" | "M" if is_plain => Some("X"),
         "H" if is_plain || letters.len() < name.len() => Some("H"),
-        _ if amino_acid.side_chain().contains(&name) || is_backbone(name) => known(first),
+        _ if amino_acid.side_chain().contains(&name) || is_backbone(name) => parse_symbol(first),
         _ => None,
     }
 }
@@ -99,7 +99,7 @@ fn from_pdb_name(statement: &Statement) -> &'static str {
     if starts_in_first_column && !is_full && (may_be_metal || is_modified) {
         let first_two = columns.get(..2).unwrap_or(columns);
         let letters = first_two.trim_end_matches(|c: char| !c.is_ascii_alphabetic());
-        if let Some(element) = known(letters) {
+        if let Some(element) = parse_symbol(letters) {
             return element;
         }
     }
@@ -110,7 +110,7 @@ fn from_pdb_name(statement: &Statement) -> &'static str {
 pub(crate) fn from_name(name: &str) -> &'static str {
     for (index, letter) in name.char_indices() {
         if letter.is_ascii_alphabetic() {
-            return known(&name[index..=index]).unwrap_or("X");
+            return parse_symbol(&name[index..=index]).unwrap_or("X");
         }
     }
     "X"
@@ -149,8 +149,8 @@ mod tests {
                 "{name}"
             );
         }
-        assert_eq!(known("se"), Some("SE"));
-        assert_eq!(known("QQ"), None);
+        assert_eq!(parse_symbol("se"), Some("SE"));
+        assert_eq!(parse_symbol("QQ"), None);
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub(crate) fn mark_chain_ends(
     unobserved: &[UnobservedResidue],
     atoms: &[&Atom],
 ) -> Vec<ListedResidue> {
-    let hidden = HiddenEnds::of(unobserved);
+    let hidden = HiddenEnds::from_unobserved(unobserved);
     for chain in protein_chains(residues) {
         mark_first_and_last(residues, &chain, &hidden);
         mark_oxt(residues, &chain);
@@ -154,7 +154,7 @@ struct HiddenEnds {
 }
 
 impl HiddenEnds {
-    fn of(unobserved: &[UnobservedResidue]) -> Self {
+    fn from_unobserved(unobserved: &[UnobservedResidue]) -> Self {
         let mut range: HashMap<Arc<str>, (i32, i32)> = HashMap::new();
         for residue in unobserved {
             let number = residue.key.number;

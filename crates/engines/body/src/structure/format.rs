@@ -172,7 +172,7 @@ fn has_pdb_decimals(line: &Line) -> bool {
         columns.as_bytes().get(3) == Some(&b'.') && is_not_negative
     };
     let has_b_factor = is_fixed(61, 66) && line.field(67, 67).is_empty();
-    let has_element = element::known(line.field(77, 78)).is_some();
+    let has_element = element::parse_symbol(line.field(77, 78)).is_some();
     has_element || (is_fixed(55, 60) && (has_b_factor || line.field(61, 80).is_empty()))
 }
 

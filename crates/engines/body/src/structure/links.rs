@@ -28,7 +28,7 @@ pub(crate) struct Links {
 }
 
 impl Links {
-    pub(crate) fn of(groups: &[AtomGroup]) -> Self {
+    pub(crate) fn from_groups(groups: &[AtomGroup]) -> Self {
         let mut in_chain = in_chain(groups);
         let (next, previous) = late_bonds(groups, &in_chain);
         let host = hosts(groups, &in_chain, &next, &previous);

@@ -38,7 +38,7 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
     let mut header = pdb_header::HeaderReader::default();
     for (index, text) in text.lines().enumerate() {
         let line = Line::new(source, index + 1, text);
-        match Record::of(&line) {
+        match Record::from_line(&line) {
             Record::Atom => reader.atom(&Line::of_atom(source, index + 1, text))?,
             Record::Master => reader.has_end = true,
             Record::Model => reader.open_model(&line),
@@ -70,7 +70,7 @@ enum Record<'a> {
 }
 
 impl<'a> Record<'a> {
-    fn of(line: &Line<'a>) -> Self {
+    fn from_line(line: &Line<'a>) -> Self {
         match line.field(1, 6) {
             record if is_atom(record) => Record::Atom,
             "MASTER" => Record::Master,

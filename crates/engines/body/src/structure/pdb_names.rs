@@ -42,7 +42,7 @@ struct Place {
 }
 
 impl Place {
-    fn of(line: &Line) -> Option<Self> {
+    fn from_line(line: &Line) -> Option<Self> {
         let [first, second] = [21, 22].map(|column| {
             let letter = line.columns(column, column).bytes().next();
             letter.unwrap_or(b' ')
@@ -72,7 +72,7 @@ impl ResidueNames {
                 continue;
             }
             let line = Line::of_atom("", 0, text);
-            let Some(place) = Place::of(&line) else {
+            let Some(place) = Place::from_line(&line) else {
                 continue;
             };
             if last == Some(place) {

@@ -73,7 +73,7 @@ struct Place {
 }
 
 impl Place {
-    fn of(atom: &Atom) -> Self {
+    fn from_atom(atom: &Atom) -> Self {
         Self {
             key: ResidueKey {
                 chain: atom.chain.clone(),
@@ -118,7 +118,7 @@ pub(crate) fn group<'a>(atoms: &[&'a Atom]) -> Vec<AtomGroup<'a>> {
                 (grouping.add(atom, &place, joined), place)
             }
             _ => {
-                let place = Place::of(atom);
+                let place = Place::from_atom(atom);
                 let latest = grouping.latest.get(&place).copied();
                 // Where a residue is interrupted, only what it lacks continues it.
                 let joined = latest

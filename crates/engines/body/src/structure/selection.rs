@@ -207,7 +207,7 @@ fn select_residues(
     report: &mut SelectionReport,
 ) -> Result<Vec<SelectedResidue>> {
     let groups = group(&sifted.atoms);
-    let links = Links::of(&groups);
+    let links = Links::from_groups(&groups);
     let mut conformers: Vec<Conformer> = groups
         .iter()
         .map(|group| alternates::choose(group, settings.alternate))
@@ -227,12 +227,12 @@ fn select_residues(
         let is_in_chain = links.in_chain[index];
         drafts.push(Placed {
             group: &groups[index],
-            class: ResidueClass::of(&conformer.name, &conformer.atoms, is_in_chain),
+            class: ResidueClass::classify(&conformer.name, &conformer.atoms, is_in_chain),
             host: links.host[index].map(|host| &groups[host]),
         });
         drafted.push(conformer);
     }
-    let strands = Strands::of(&drafts);
+    let strands = Strands::from_residues(&drafts);
     let wanted = WantedChains::new(&settings.chains, report.model, &drafts, &strands.keys)?;
     report.corrections.extend(strands.notes);
     let mut residues = Vec::new();

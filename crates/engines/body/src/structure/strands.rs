@@ -54,7 +54,7 @@ pub(crate) struct Strands {
 
 impl Strands {
     /// The strands of residues in the order of their chains.
-    pub(crate) fn of(residues: &[Placed]) -> Self {
+    pub(crate) fn from_residues(residues: &[Placed]) -> Self {
         let strand = strands(residues);
         let mut keys: Vec<ResidueKey> = residues
             .iter()

@@ -50,16 +50,16 @@ impl Deviation {
     /// use protomer_kernel::Vec3;
     /// let ball = SesSolid::new(&Arrangement::new(&[Vec3::zeros()], &[1.7], 1.4)?);
     /// let mesh = mesh_solid(&ball, &MeshSettings::default(), None)?;
-    /// let deviation = Deviation::of(&mesh, &ball);
+    /// let deviation = Deviation::measure(&mesh, &ball);
     /// assert!(deviation.rms_angstrom < 0.05);
     /// assert!(deviation.rms_angstrom <= deviation.largest_angstrom);
     /// # Ok::<(), protomer_body::BodyError>(())
     /// ```
-    pub fn of(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Self {
+    pub fn measure(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Self {
         Self::guided(mesh, solid, &simple_guide(mesh, solid))
     }
 
-    /// Variant of [`Self::of`] with a guide that is known: an estimate of the mean squared distance
+    /// Variant of [`Self::measure`] with a guide that is known: an estimate of the mean squared distance
     /// on every triangle, Å².
     pub(crate) fn guided(mesh: &TriangleMesh, solid: &dyn ImplicitSolid, guide: &[f64]) -> Self {
         // At least so many in the sample, whatever the size of the mesh.
@@ -332,7 +332,7 @@ mod tests {
         };
         let surface = solvent_excluded_surface(&centres, &radii, 1.4, &settings).unwrap();
         let larger = surface.mesh.map_vertices(|vertex| vertex * 1.1);
-        let moved = Deviation::of(&larger, surface.solid());
+        let moved = Deviation::measure(&larger, surface.solid());
         assert!((moved.rms_angstrom - 0.5).abs() < 0.02, "{moved:?}");
         assert!((moved.largest_angstrom - 0.5).abs() < 0.02, "{moved:?}");
     }

@@ -112,8 +112,8 @@ fn each_with_charges(
     let near = EdgeCharges::new(near, first.middle);
     for crossing in crossings {
         let edge = crossing.edge(h);
-        let of_far = far.iter().map(|charges| charges.at(&edge));
-        visit(crossing, of_far.fold(near.at(&edge), AtEdge::add));
+        let of_far = far.iter().map(|charges| charges.value_at(&edge));
+        visit(crossing, of_far.fold(near.value_at(&edge), AtEdge::add));
     }
 }
 

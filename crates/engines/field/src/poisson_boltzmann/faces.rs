@@ -124,7 +124,9 @@ impl Patch {
         // Interpolation would take as many sums as there are points.
         if rows * columns <= POINTS * POINTS {
             let places = (0..=last).map(|number| self.place(grid, number));
-            return places.map(|place| merged_charges.at(&place)).collect();
+            return places
+                .map(|place| merged_charges.value_at(&place))
+                .collect();
         }
         let other_axes = [(self.axis + 1) % 3, (self.axis + 2) % 3];
         let ends = other_axes.map(|axis| Interpolation::<POINTS>::new(low[axis], high[axis]));
@@ -135,7 +137,7 @@ impl Patch {
             place[other_axes[0]] = first;
             for (value, second) in along_columns.iter_mut().zip(ends[1].points) {
                 place[other_axes[1]] = second;
-                *value = merged_charges.at(&place);
+                *value = merged_charges.value_at(&place);
             }
         }
         let h = grid.spacing_angstrom;
@@ -190,7 +192,7 @@ mod tests {
             let corner = Vec3::repeat(radius + 1.5 + margin);
             let grid = Grid::around(&-corner, &corner, spacing, 16).unwrap();
             let atoms = Superposition::new(&spheres, &saline);
-            let exact = point_by_point(&grid, |place| atoms.at(place));
+            let exact = point_by_point(&grid, |place| atoms.value_at(place));
             let found = superposed(&grid, &atoms);
             let mut worst = 0.0_f64;
             let largest = exact

@@ -70,7 +70,7 @@ impl<'a> Multigrid<'a> {
             restrict(&fine.other, &mut coarse.right, shapes);
         }
         // The coarsest grid cannot be halved again; a longer polynomial replaces a solution.
-        let Coarsest { degree, above } = Coarsest::of(self.levels[last].operator.shape);
+        let Coarsest { degree, above } = Coarsest::from_shape(self.levels[last].operator.shape);
         self.levels[last].smooth(degree, above, true);
         // Up: the mirror image of the way down, so that the cycle is symmetric.
         for depth in (0..last).rev() {
@@ -98,7 +98,7 @@ impl Coarsest {
     /// The lowest eigenvalue of D⁻¹ A for a uniform medium without salt, with zeros on the faces, is
     /// 1/3 Σ (1 - cos π/n) over the axes, n cells along each. The degree grows as the root of the
     /// condition number.
-    fn of(shape: [usize; 3]) -> Self {
+    fn from_shape(shape: [usize; 3]) -> Self {
         let mut lowest = 0.0;
         for points in shape {
             // The slowest mode is half a wave over the n = points - 1 cells of an axis.

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// let model = DielectricModel::new(Electrolyte::in_water(298.15, 0.1)?);
 /// let potential = solve(&[ion], &model, &SolveSettings::default())?;
 /// assert!(potential.solvation_energy_kt < 0.0);
-/// assert!(potential.at(&Vec3::new(5.0, 0.0, 0.0)).is_some_and(|value| value < 0.0));
+/// assert!(potential.value_at(&Vec3::new(5.0, 0.0, 0.0)).is_some_and(|value| value < 0.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -103,7 +103,7 @@ impl Potential {
 
     /// u inside and φ outside, kT/e, interpolated across the surface as if it were smooth there.
     pub(super) fn reduced_at(&self, place: &Vec3) -> Option<f64> {
-        self.reduced.at(place)
+        self.reduced.value_at(place)
     }
 
     /// The reaction field φ - φ_C at a place, kT/e: cubic deep inside, trilinear near the surface; zero
@@ -158,12 +158,12 @@ impl Potential {
     /// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 3.0, charge_e: 1.0 };
     /// let potential = solve(&[ion], &water, &SolveSettings::default())?;
     /// let coulomb = water.electrolyte.bjerrum_length_angstrom() / 8.0;
-    /// let solved = potential.at(&Vec3::new(8.0, 0.0, 0.0));
+    /// let solved = potential.value_at(&Vec3::new(8.0, 0.0, 0.0));
     /// assert!(solved.is_some_and(|solved| (solved / coulomb - 1.0).abs() < 0.01));
-    /// assert_eq!(potential.at(&Vec3::new(80.0, 0.0, 0.0)), None);
+    /// assert_eq!(potential.value_at(&Vec3::new(80.0, 0.0, 0.0)), None);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn at(&self, place: &Vec3) -> Option<f64> {
+    pub fn value_at(&self, place: &Vec3) -> Option<f64> {
         let corners = self.reduced.grid.trilinear(place)?;
         // Any corner inside: the reaction field is smooth across, φ is not.
         if self.is_near_solute(&corners) {
@@ -182,7 +182,7 @@ impl Potential {
         field
     }
 
-    /// The potential at whole multiples of the spacing, kT/e: that of [`at`](Self::at), inside with
+    /// The potential at whole multiples of the spacing, kT/e: that of [`value_at`](Self::value_at), inside with
     /// the error of `charge_tree`.
     pub fn on_multiples(&self) -> ScalarField {
         let grid = self.reduced.grid.on_multiples();
@@ -272,7 +272,7 @@ mod tests {
                 let multiple = x / 0.6;
                 assert!((multiple - multiple.round()).abs() < 1e-9, "{place}");
             }
-            let exact = potential.at(&place).unwrap();
+            let exact = potential.value_at(&place).unwrap();
             let found = field.values[index];
             assert!(
                 (found - exact).abs() < 1e-6 * exact.abs().max(1.0),

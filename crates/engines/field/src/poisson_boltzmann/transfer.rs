@@ -18,9 +18,9 @@ pub(super) fn coarsen(fine: &Operator) -> Option<Operator> {
             return None;
         }
     }
-    let [x, y, z] = [0, 1, 2].map(|axis| Rows::of(&fine.edges[axis], fine.shape));
+    let [x, y, z] = [0, 1, 2].map(|axis| Rows::from_values(&fine.edges[axis], fine.shape));
     let edges = [edges_along_x(x), edges_along_y(y), edges_along_z(z)];
-    let mass = coarse_mass(Rows::of(&fine.mass, fine.shape));
+    let mass = coarse_mass(Rows::from_values(&fine.mass, fine.shape));
     let shape = fine.shape.map(|points| points.div_ceil(2));
     Some(Operator::new(shape, edges, mass))
 }
@@ -32,7 +32,7 @@ fn edges_along_x(fine: Rows) -> Vec<f32> {
         coarse.fill(0.0);
         for (k, of_plane) in around(k, planes) {
             for (j, of_row) in around(j, rows) {
-                add_in_series(coarse, of_plane * of_row, fine.at(j, k));
+                add_in_series(coarse, of_plane * of_row, fine.row(j, k));
             }
         }
     })
@@ -46,7 +46,7 @@ fn edges_along_y(fine: Rows) -> Vec<f32> {
         let [_, (centre, _), (after, _)] = around(j, rows);
         sums.fill(0.0);
         for (k, weight) in around(k, planes) {
-            add_both_in_series(sums, weight, [fine.at(centre, k), fine.at(after, k)]);
+            add_both_in_series(sums, weight, [fine.row(centre, k), fine.row(after, k)]);
         }
         average_by_halves(sums, 1.0, coarse);
     })
@@ -59,7 +59,7 @@ fn edges_along_z(fine: Rows) -> Vec<f32> {
         let [_, (centre, _), (after, _)] = around(k, planes);
         sums.fill(0.0);
         for (j, weight) in around(j, rows) {
-            add_both_in_series(sums, weight, [fine.at(j, centre), fine.at(j, after)]);
+            add_both_in_series(sums, weight, [fine.row(j, centre), fine.row(j, after)]);
         }
         average_by_halves(sums, 1.0, coarse);
     })
@@ -72,7 +72,7 @@ fn coarse_mass(fine: Rows) -> Vec<f32> {
         sums.fill(0.0);
         for (k, of_plane) in around(k, planes) {
             for (j, of_row) in around(j, rows) {
-                add(sums, of_plane * of_row, fine.at(j, k));
+                add(sums, of_plane * of_row, fine.row(j, k));
             }
         }
         average_by_halves(sums, 8.0, coarse);
@@ -105,11 +105,11 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn of(values: &'a [f32], shape: [usize; 3]) -> Self {
+    fn from_values(values: &'a [f32], shape: [usize; 3]) -> Self {
         Self { values, shape }
     }
 
-    fn at(&self, j: usize, k: usize) -> &'a [f32] {
+    fn row(&self, j: usize, k: usize) -> &'a [f32] {
         let [nx, ny, _] = self.shape;
         &self.values[(k * ny + j) * nx..][..nx]
     }
@@ -170,7 +170,7 @@ fn average_by_halves(row: &[f32], factor: f32, coarse: &mut [f32]) {
 
 /// coarse = Pᵀ fine, with P trilinear interpolation; shapes of the fine and the coarse grid.
 pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[usize; 3]; 2]) {
-    let fine = Rows::of(fine, fine_shape);
+    let fine = Rows::from_values(fine, fine_shape);
     let planes = coarse.par_chunks_mut(shape[0] * shape[1]).enumerate();
     planes.for_each(|(k, values)| {
         values.fill(0.0);
@@ -181,7 +181,7 @@ pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[
         let mut sums = vec![0.0; fine_shape[0]];
         for j in 1..shape[1] - 1 {
             let around = [2 * k - 1, 2 * k, 2 * k + 1]
-                .map(|k| [2 * j - 1, 2 * j, 2 * j + 1].map(|j| fine.at(j, k)));
+                .map(|k| [2 * j - 1, 2 * j, 2 * j + 1].map(|j| fine.row(j, k)));
             sum_across(&around, &mut sums);
             let target = &mut values[j * shape[0]..][..shape[0]];
             let inner = shape[0] - 1;
@@ -206,7 +206,7 @@ fn sum_across(planes: &[[&[f32]; 3]; 3], sum: &mut [f32]) {
 /// fine += P coarse, with P trilinear interpolation, for values that are zero on the faces of the coarse
 /// grid; shapes of the fine and the coarse grid.
 pub(super) fn prolong(coarse: &[f32], fine: &mut [f32], [fine_shape, shape]: [[usize; 3]; 2]) {
-    let coarse = Rows::of(coarse, shape);
+    let coarse = Rows::from_values(coarse, shape);
     let planes = fine
         .par_chunks_mut(fine_shape[0] * fine_shape[1])
         .enumerate();
@@ -220,7 +220,7 @@ pub(super) fn prolong(coarse: &[f32], fine: &mut [f32], [fine_shape, shape]: [[u
             let (j0, j1) = ends(j);
             sums.fill(0.0);
             for (j, k) in [(j0, k0), (j1, k0), (j0, k1), (j1, k1)] {
-                add(&mut sums, 0.25, coarse.at(j, k));
+                add(&mut sums, 0.25, coarse.row(j, k));
             }
             add_between(&sums, &mut values[j * fine_shape[0]..][..fine_shape[0]]);
         }

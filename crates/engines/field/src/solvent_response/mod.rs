@@ -76,7 +76,7 @@ pub struct SolventResponse {
 /// let model = DielectricModel::new(Electrolyte::in_water(298.15, 0.1)?);
 /// let response = solvent_response(&[ion], &model)?;
 /// // The potential at 8 Å in kT/e, without the screened Coulomb potential.
-/// let [per_charge, _, _, _] = response.table.at(&Vec3::new(8.0, 0.0, 0.0));
+/// let [per_charge, _, _, _] = response.table.value_at(&Vec3::new(8.0, 0.0, 0.0));
 /// assert!(per_charge.abs() > 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

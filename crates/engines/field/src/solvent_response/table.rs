@@ -54,7 +54,7 @@ impl ResponseTable {
             };
             let rows = values.par_iter_mut().zip(plain);
             rows.enumerate().for_each(|(point, (value, plain))| {
-                let more = part.at(point, plain);
+                let more = part.value_at(point, plain);
                 for (value, more) in value.iter_mut().zip(more) {
                     *value += more as f32;
                 }
@@ -86,10 +86,10 @@ impl ResponseTable {
     /// use protomer_kernel::Vec3;
     /// let grid = Grid { origin_angstrom: [0.0; 3], spacing_angstrom: 1.0, shape: [2; 3] };
     /// let table = ResponseTable { grid, values: vec![[4.0, 3.0, 2.0, 1.0]; 8] };
-    /// assert_eq!(table.at(&Vec3::repeat(0.5)), [4.0, 3.0, 2.0, 1.0]);
-    /// assert_eq!(table.at(&Vec3::repeat(1.5)), [0.0; 4]);
+    /// assert_eq!(table.value_at(&Vec3::repeat(0.5)), [4.0, 3.0, 2.0, 1.0]);
+    /// assert_eq!(table.value_at(&Vec3::repeat(1.5)), [0.0; 4]);
     /// ```
-    pub fn at(&self, place: &Vec3) -> [f64; 4] {
+    pub fn value_at(&self, place: &Vec3) -> [f64; 4] {
         let Some(stencil) = self.grid.trilinear(place) else {
             return [0.0; 4];
         };
@@ -159,7 +159,7 @@ fn plain_potential(spheres: &[ChargedSphere], model: &DielectricModel, grid: &Gr
             let merged_charges = sum.seen_from(&low, &high);
             let points = block.rows(grid).flatten();
             points
-                .map(|point| (point, merged_charges.at(&grid.point_at(point))))
+                .map(|point| (point, merged_charges.value_at(&grid.point_at(point))))
                 .collect()
         })
         .collect();
@@ -181,7 +181,7 @@ struct Part<'a> {
 impl Part<'_> {
     /// The three numbers at a point. Inside the solute, the potential is that without the Coulomb part
     /// of its charges, which is the same in both media.
-    fn at(&self, point: usize, plain: f64) -> [f64; 3] {
+    fn value_at(&self, point: usize, plain: f64) -> [f64; 3] {
         let Self {
             solute,
             potential,

@@ -243,7 +243,7 @@ impl<'a> Solute<'a> {
             let value = if sources.iter().any(|source| source.0 == site) {
                 potential.reaction_at(place) + self.coulomb_of_others(sources, site)
             } else {
-                at(potential, place)
+                value_at(potential, place)
             };
             energy += charge_e * value;
         }
@@ -264,8 +264,8 @@ impl<'a> Solute<'a> {
     }
 }
 
-fn at(potential: &Potential, place: &Vec3) -> f64 {
-    potential.at(place).unwrap_or(0.0)
+fn value_at(potential: &Potential, place: &Vec3) -> f64 {
+    potential.value_at(place).unwrap_or(0.0)
 }
 
 fn sphere(sites: &TitratableSites, site: usize, charge_e: f64) -> ChargedSphere {

@@ -321,7 +321,7 @@ fn potentials(
     Ok(match settings.potential {
         PotentialModel::DebyeHueckel => {
             let superposition = Superposition::new(spheres, &settings.dielectric);
-            let potential_at = |place: &Vec3| superposition.at(place);
+            let potential_at = |place: &Vec3| superposition.value_at(place);
             places.par_iter().map(potential_at).collect()
         }
         PotentialModel::PoissonBoltzmann => {

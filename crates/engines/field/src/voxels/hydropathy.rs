@@ -16,8 +16,8 @@ use rustc_hash::FxHashMap;
 /// let isoleucine = (Vec3::zeros(), Some(0));
 /// let arginine = (Vec3::new(3.0, 0.0, 0.0), Some(1));
 /// let map = HydropathyMap::new([isoleucine, arginine], &[Some(4.5), Some(-4.5)], 2.0);
-/// assert_eq!(map.at(&Vec3::new(0.5, 0.0, 0.0)), Some(4.5));
-/// assert_eq!(map.at(&Vec3::new(1.5, 0.0, 0.0)), Some(0.0));
+/// assert_eq!(map.value_at(&Vec3::new(0.5, 0.0, 0.0)), Some(4.5));
+/// assert_eq!(map.value_at(&Vec3::new(1.5, 0.0, 0.0)), Some(0.0));
 /// ```
 #[derive(Debug, Clone)]
 pub struct HydropathyMap {
@@ -67,10 +67,10 @@ impl HydropathyMap {
     /// use protomer_kernel::Vec3;
     /// let atoms = [(Vec3::zeros(), Some(0)), (Vec3::x(), Some(1))];
     /// let leucine_and_ligand = HydropathyMap::new(atoms, &[Some(3.8), None], 2.0);
-    /// assert_eq!(leucine_and_ligand.at(&Vec3::x()), Some(3.8), "the ligand has no index");
-    /// assert_eq!(HydropathyMap::new(atoms, &[None, None], 2.0).at(&Vec3::x()), None);
+    /// assert_eq!(leucine_and_ligand.value_at(&Vec3::x()), Some(3.8), "the ligand has no index");
+    /// assert_eq!(HydropathyMap::new(atoms, &[None, None], 2.0).value_at(&Vec3::x()), None);
     /// ```
-    pub fn at(&self, place: &Vec3) -> Option<f64> {
+    pub fn value_at(&self, place: &Vec3) -> Option<f64> {
         let mut residues = self.residues_within_reach(place);
         if residues.is_empty() {
             residues.push(self.nearest_residue(place)?);
@@ -84,7 +84,7 @@ impl HydropathyMap {
         Some(sum / residues.len() as f64)
     }
 
-    /// [`Self::at`] for many places: those in a cell share their candidates.
+    /// [`Self::value_at`] for many places: those in a cell share their candidates.
     ///
     /// ```
     /// use protomer_field::voxels::hydropathy::HydropathyMap;
@@ -148,7 +148,7 @@ impl HydropathyMap {
         }
         // No atom is within reach: the nearest residue, found among all.
         if count == 0 {
-            return self.at(place);
+            return self.value_at(place);
         }
         Some(sum / f64::from(count))
     }
@@ -212,7 +212,7 @@ mod tests {
             .collect();
         let map = HydropathyMap::new(atoms, &indices, 4.0);
         let places: Vec<Vec3> = (0..500).map(|_| rng.vector_in_ball(25.0)).collect();
-        let slow: Vec<Option<f64>> = places.iter().map(|place| map.at(place)).collect();
+        let slow: Vec<Option<f64>> = places.iter().map(|place| map.value_at(place)).collect();
         assert_eq!(map.at_all(&places), slow);
         assert_eq!(map.at_all(&[]), []);
     }

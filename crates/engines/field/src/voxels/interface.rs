@@ -80,7 +80,7 @@ impl InterfaceBody {
         match &self.potential {
             None => vec![0.0; places.len()],
             Some(BodyPotential::Screened(sum)) => {
-                places.par_iter().map(|place| sum.at(place)).collect()
+                places.par_iter().map(|place| sum.value_at(place)).collect()
             }
             Some(BodyPotential::Solved(solved)) => at_surface(solved, places),
         }

@@ -21,7 +21,7 @@ const STIFFNESS: f64 = 1e-3;
 pub fn at_surface(potential: &Potential, places: &[Vec3]) -> Vec<f64> {
     let value_at = |place: &Vec3| {
         let continued = sums_around(potential, place).at_origin();
-        let value = continued.or_else(|| potential.at(place));
+        let value = continued.or_else(|| potential.value_at(place));
         value.unwrap_or(f64::NAN)
     };
     places.par_iter().map(value_at).collect()

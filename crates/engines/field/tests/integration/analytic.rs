@@ -255,12 +255,12 @@ fn highly_charged_spheres_have_the_potential_of_the_radial_equation() {
         let without = solve(&sphere_with(a, &[(0.0, q)]), &linear, &settings).unwrap();
         for (place, exact) in places.iter().zip(exact) {
             let point = Vec3::new(0.6, 0.48, 0.64) * *place;
-            let found = solved.at(&point).unwrap();
+            let found = solved.value_at(&point).unwrap();
             let error = found / exact - 1.0;
             eprintln!(
                 "{q} e, {salt_molar} M {cation}:{anion}, {place} Å: {found:.4} for {exact:.4} ({:+.2} %), linear {:.4}",
                 100.0 * error,
-                without.at(&point).unwrap()
+                without.value_at(&point).unwrap()
             );
             assert!(
                 error.abs() < 0.01,
@@ -363,7 +363,7 @@ fn relative_difference(solved: &Potential, file: &Path) -> f64 {
             .split_whitespace()
             .map(|x| x.parse().unwrap())
             .collect();
-        let ours = solved.at(&Vec3::new(x[0], x[1], x[2])).unwrap();
+        let ours = solved.value_at(&Vec3::new(x[0], x[1], x[2])).unwrap();
         difference += (ours - x[3]).powi(2);
         size += x[3] * x[3];
     }
@@ -431,7 +431,7 @@ fn boundary_values_do_not_depend_on_the_margin() {
         let solved = solve(&spheres, &DielectricModel::new(water(0.1)), &settings).unwrap();
         points
             .iter()
-            .map(|place| solved.at(place).unwrap())
+            .map(|place| solved.value_at(place).unwrap())
             .collect()
     };
     let difference = |a: &[f64], b: &[f64]| {
@@ -515,7 +515,7 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
                 };
                 let solved = solve(&spheres, &dielectric, &settings).unwrap();
                 energies += (solved.solvation_energy_kt / exact - 1.0).powi(2);
-                let found = places.iter().map(|place| solved.at(place).unwrap());
+                let found = places.iter().map(|place| solved.value_at(place).unwrap());
                 potentials += found
                     .zip(&outside)
                     .map(|(a, b)| (a - b).powi(2))
@@ -565,7 +565,7 @@ fn a_coarse_boundary_without_an_ion_layer_is_right() {
         let exact = dielectric.electrolyte.bjerrum_length_angstrom()
             * (-kappa * (r - radius)).exp()
             / (r * (1.0 + kappa * radius));
-        let found = solved.at(&Vec3::new(r, 0.0, 0.0)).unwrap();
+        let found = solved.value_at(&Vec3::new(r, 0.0, 0.0)).unwrap();
         assert!(
             (found / exact - 1.0).abs() < 0.01,
             "at {r} Å {found} instead of {exact}"

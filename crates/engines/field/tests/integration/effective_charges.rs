@@ -201,7 +201,7 @@ fn charges_of_a_saturated_cloud_give_the_potential_far_away() {
     };
     let solved = solve(&spheres, &dielectric, &wide).unwrap();
     let place = Vec3::new(0.0, 27.0, 0.0);
-    let exact = solved.at(&place).unwrap();
+    let exact = solved.value_at(&place).unwrap();
     let [fitted, of_linear] =
         [&found, &linear].map(|charges| potential(charges, &dielectric, &place) / exact);
     eprintln!(

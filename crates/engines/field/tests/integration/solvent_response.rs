@@ -50,7 +50,7 @@ fn the_table_of_an_ion_is_exact() {
     };
     for r in [7.0, 9.0, 14.0] {
         let direction = Vec3::new(1.0, 2.0, -2.0) / 3.0;
-        let [found, _, _, _] = response.table.at(&(ion.centre + r * direction));
+        let [found, _, _, _] = response.table.value_at(&(ion.centre + r * direction));
         let exact = solved_less_plain(0.1, r) - solved_less_plain(REFERENCE_SALT_MOLAR, r);
         assert!(
             (found - exact).abs() < 0.03 * exact.abs() + 1e-3,
@@ -58,7 +58,7 @@ fn the_table_of_an_ion_is_exact() {
         );
     }
     let corner = Vec3::from(response.table.grid.origin_angstrom);
-    assert_eq!(response.table.at(&corner), [0.0; 4]);
+    assert_eq!(response.table.value_at(&corner), [0.0; 4]);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn the_salt_effect_of_two_balls_is_that_of_a_solve_of_both() {
             bodies.map(|body| solvent_response(&body, &model(salts_molar[0])).unwrap());
         let acting = |response: &SolventResponse, sites: &[ResponseSite]| -> f64 {
             let energies = sites.iter().map(|site| {
-                let [a, b, c, _] = response.table.at(&site.place);
+                let [a, b, c, _] = response.table.value_at(&site.place);
                 a * site.charge_e + b * site.dielectric_angstrom3 + c * site.ionic_angstrom3
             });
             energies.sum()
@@ -182,7 +182,7 @@ fn two_titratable_spheres_have_the_free_energy_of_the_exact_partition_sum() {
         let response = regulated_response(&spheres, &capacitances_e2, &medium).unwrap();
         let mut energy_kt = 0.0;
         for site in &response.sites {
-            let [_, _, _, per_capacitance] = response.table.at(&(site.place + place));
+            let [_, _, _, per_capacitance] = response.table.value_at(&(site.place + place));
             energy_kt += 2.0 * site.capacitance_e2 * per_capacitance;
         }
         energy_kt

@@ -316,11 +316,11 @@ fn hydropathy_is_the_mean_over_residues_within_reach() {
             near.insert(nearest.2, nearest.1);
         }
         let mean = near.values().sum::<f64>() / near.len() as f64;
-        assert!((map.at(&place).unwrap() - mean).abs() < 1e-12);
+        assert!((map.value_at(&place).unwrap() - mean).abs() < 1e-12);
     }
     assert!(lonely > 10, "no place was far from all");
     assert_eq!(
-        HydropathyMap::new(atoms.into_iter(), &[], reach).at(&Vec3::zeros()),
+        HydropathyMap::new(atoms.into_iter(), &[], reach).value_at(&Vec3::zeros()),
         None
     );
 }

@@ -47,7 +47,7 @@ impl Radial {
     }
 
     /// Energy and slope at a distance.
-    fn at(&self, distance: f64) -> (f64, f64) {
+    fn evaluate(&self, distance: f64) -> (f64, f64) {
         let above = self.distances.partition_point(|row| *row <= distance);
         match above {
             0 => (self.energies_kt[0], 0.0),
@@ -68,11 +68,11 @@ impl<const D: usize> PairPotential<D> for Radial {
     }
 
     fn energy_kt(&self, pair: &PosedPair<'_, D>) -> f64 {
-        self.at(pair.distance).0
+        self.evaluate(pair.distance).0
     }
 
     fn virial_kt(&self, pair: &PosedPair<'_, D>) -> f64 {
-        -pair.distance * self.at(pair.distance).1
+        -pair.distance * self.evaluate(pair.distance).1
     }
 
     fn jumps(&self) -> Vec<f64> {

@@ -91,7 +91,7 @@ fn overlap_at_random<const D: usize>(
     rng: &mut CounterRng,
 ) -> bool {
     let places: Vec<[f64; D]> = (0..bodies)
-        .map(|_| space.at(&std::array::from_fn(|_| rng.uniform())))
+        .map(|_| space.point(&std::array::from_fn(|_| rng.uniform())))
         .collect();
     let pairs = (0..bodies).flat_map(|second| (0..second).map(move |first| (first, second)));
     let mut apart = pairs.map(|(first, second)| {

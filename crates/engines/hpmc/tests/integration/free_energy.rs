@@ -143,7 +143,7 @@ fn bodies_on_strong_springs_have_the_extent_of_an_einstein_crystal() {
     walker.run(EQUILIBRATION, true);
     let series: Vec<f64> = (0..4000).map(|_| walker.run(5, false)).collect();
     let found = summarize(&series);
-    let symmetry = Symmetry::of(&cube).unwrap();
+    let symmetry = Symmetry::find(&cube).unwrap();
     let free_energy = |strength: f64| {
         let einstein = EinsteinCrystal {
             crystal: &crystal,
@@ -165,7 +165,7 @@ fn bodies_on_strong_springs_have_the_extent_of_an_einstein_crystal() {
 fn the_einstein_crystal_has_the_terms_of_the_reference() {
     let ball = HardBody::<3>::ball(0.5).unwrap();
     let cell = UnitCell::by_name("fcc").unwrap();
-    let symmetry = Symmetry::of(&ball).unwrap();
+    let symmetry = Symmetry::find(&ball).unwrap();
     for (bodies, strength, density, molecule) in [
         (32, 1000.0, 1.1, 8.377_374_717_514_893),
         (256, 5000.0, 1.0, 11.015_496_931_169_201),

@@ -65,7 +65,7 @@ fn a_small_and_a_large_ball_have_their_cross_coefficient() {
 /// a cube of edge one.
 #[test]
 fn a_cube_and_a_ball_have_their_cross_coefficient() {
-    let measures = Measures::of(&by_name("cube").unwrap(), 0.0).unwrap();
+    let measures = Measures::from_shape(&by_name("cube").unwrap(), 0.0).unwrap();
     assert!((measures.volume - 1.0).abs() < 1e-12);
     let radius = 0.4_f64;
     let ball = (

@@ -65,7 +65,7 @@ fn a_cut_cube_is_a_cube() {
     assert!((cut.body().outer_radius - 0.75_f64.sqrt()).abs() < 1e-12);
     assert_eq!((whole.overlaps(), cut.overlaps()), (0, 0));
     // It looks as a cube does however it is turned: what counts for the free energy is the body and not the cut.
-    assert_eq!(Symmetry::of(cut.body()).unwrap().rotations().len(), 24);
+    assert_eq!(Symmetry::find(cut.body()).unwrap().rotations().len(), 24);
     // The same pairs meet in the same bins, but for rounding at their edges.
     let compression = Compression::new(&whole, 8.0);
     let [of_whole, of_cut] = [&whole, &cut].map(|system| compression.factor(system));
@@ -159,7 +159,7 @@ fn dumbbells_have_their_equation_of_state() {
         (found.mean - expected).abs() < 4.0 * found.standard_error + 0.01 * expected,
         "{found:?} instead of {expected}"
     );
-    assert_eq!(Symmetry::of(&dumbbell), Err(Error::Axis));
+    assert_eq!(Symmetry::find(&dumbbell), Err(Error::Axis));
 }
 
 /// Two bodies in a box of area A that cover an area E for each other have the compressibility factor
@@ -174,7 +174,7 @@ fn two_horseshoes_have_the_pressure_of_their_covered_area() {
     let (mut factors, mut overlapping) = (Vec::new(), Vec::new());
     let mut compression = None;
     for _ in 0..400_000 {
-        let places = vec![[0.0; 2], space.at(&[rng.uniform(), rng.uniform()])];
+        let places = vec![[0.0; 2], space.point(&[rng.uniform(), rng.uniform()])];
         let turns = vec![
             Rotation::identity(),
             Rotation::from_scaled_axis(TAU * rng.uniform() * Vec3::z()),
@@ -227,7 +227,7 @@ fn depletants_and_walls_see_all_pieces() {
             assert!((-1e-9..=system.space().lengths()[1] + 1e-9).contains(&height));
         }
     }
-    assert_eq!(Symmetry::of(&body).unwrap().rotations().len(), 1);
+    assert_eq!(Symmetry::find(&body).unwrap().rotations().len(), 1);
 }
 
 #[test]

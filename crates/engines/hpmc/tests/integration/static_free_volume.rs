@@ -18,7 +18,7 @@ fn measured(crystal: &str, packing: f64, q: f64, lines_per_length: f64) -> Stati
     let body = HardBody::<3>::new(&shape, 0.0).unwrap();
     let cell = UnitCell::by_name(crystal).unwrap();
     let crystal = Crystal::new(&cell, &body, 8, packing).unwrap();
-    let radius = q * Polytope::of(&shape).unwrap().circumradius();
+    let radius = q * Polytope::from_shape(&shape).unwrap().circumradius();
     static_free_volume(&crystal, &shape, 0.0, radius, lines_per_length).unwrap()
 }
 

@@ -30,13 +30,13 @@ fn free_volumes_are_those_of_scaled_particle_theory() {
         ("dodecahedron", 0.45, 0.3, 0.0832769786806738),
     ] {
         let shape = by_name(name).unwrap();
-        let measures = Measures::of(&shape, 0.0).unwrap();
+        let measures = Measures::from_shape(&shape, 0.0).unwrap();
         let body = BodyMeasures {
             volume: measures.volume,
             surface: measures.surface,
             integrated_mean_curvature: measures.integrated_mean_curvature,
         };
-        let radius = q * Polytope::of(&shape).unwrap().circumradius();
+        let radius = q * Polytope::from_shape(&shape).unwrap().circumradius();
         assert_near(body.free_volume(packing, radius), alpha, 1e-11);
     }
 }

@@ -56,11 +56,11 @@ fn the_second_coefficient_of_the_same_draws_is_that_of_isihara() {
     for (name, rounding) in [("cube", 0.0), ("tetrahedron", 0.1), ("cuboid:1,1,4", 0.0)] {
         let shape = by_name(name).unwrap();
         let found = sampled(&HardBody::<3>::new(&shape, rounding).unwrap(), 5000);
-        assert_within(found.b2, Measures::of(&shape, rounding).unwrap().b2);
+        assert_within(found.b2, Measures::from_shape(&shape, rounding).unwrap().b2);
     }
     let shape = by_name("polygon:5").unwrap();
     let found = sampled(&HardBody::<2>::new(&shape, 0.0).unwrap(), 5000);
-    assert_within(found.b2, Measures::of(&shape, 0.0).unwrap().b2);
+    assert_within(found.b2, Measures::from_shape(&shape, 0.0).unwrap().b2);
 }
 
 /// Two halves of a cuboid are the cuboid.
@@ -81,7 +81,7 @@ fn pieces_have_the_coefficients_of_what_they_make() {
         &HardBody::<3>::of_pieces(&[half(0.0), half(1.0)], 0.0).unwrap(),
         10_000,
     );
-    assert_within(pieces.b2, Measures::of(&whole, 0.0).unwrap().b2);
+    assert_within(pieces.b2, Measures::from_shape(&whole, 0.0).unwrap().b2);
     let one = sampled(&HardBody::<3>::new(&whole, 0.0).unwrap(), 10_000);
     let [a, b] = [pieces, one].map(|found| found.b3_over_b2_squared);
     assert!(

@@ -268,7 +268,7 @@ impl Convolution {
         vectors: &Tensor,
         of_sample: impl Fn(usize, &[f32], &Weights, Option<&mut [f32]>) -> Gradients + Sync,
     ) -> Result<ThreeGradients> {
-        let numbers = Numbers::of(input);
+        let numbers = Numbers::from_tensor(input);
         let samples: Vec<&[f32]> = numbers
             .slice()?
             .chunks_exact(self.geometry.inputs())
@@ -279,7 +279,7 @@ impl Convolution {
             false => Vec::new(),
         };
         let weights = Weights {
-            plain: Numbers::of(weight).slice()?.to_vec(),
+            plain: Numbers::from_tensor(weight).slice()?.to_vec(),
             runs: OnceLock::new(),
             transposed: OnceLock::new(),
         };

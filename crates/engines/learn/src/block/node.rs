@@ -256,7 +256,7 @@ impl CustomOp3 for Node {
         }
         // The gradient of a view may arrive strided, while the kernels read rows.
         let gradient = gradient.contiguous()?;
-        let numbers = [result, &gradient, vectors].map(Numbers::of);
+        let numbers = [result, &gradient, vectors].map(Numbers::from_tensor);
         let [result, gradient, of_vectors] = &numbers;
         let (result, gradient, of_vectors) =
             (result.slice()?, gradient.slice()?, of_vectors.slice()?);

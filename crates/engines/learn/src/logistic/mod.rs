@@ -409,7 +409,7 @@ mod tests {
             let p = fit.probabilities(table, &samples).unwrap();
             (
                 p[..3].to_vec(),
-                crate::scores::Scores::of(&p, &labels, 3, None)
+                crate::scores::Scores::from_probabilities(&p, &labels, 3, None)
                     .unwrap()
                     .log_loss_nats,
             )

@@ -29,7 +29,7 @@ pub(super) fn assign(
     let mut filling = Filling::new(shares, counter.all());
     let mut parts: [Vec<usize>; PARTS] = array::from_fn(|_| Vec::new());
     for group in largest_first(groups, seed) {
-        let part = filling.add(&counter.of(group));
+        let part = filling.add(&counter.count(group));
         parts[part].extend_from_slice(group);
     }
     for (part, share) in parts.iter_mut().zip(shares) {
@@ -80,7 +80,7 @@ impl<'a> Counter<'a> {
     }
 
     /// Samples of each label, and in the last place all of them.
-    fn of(&self, samples: &[usize]) -> Vec<f64> {
+    fn count(&self, samples: &[usize]) -> Vec<f64> {
         let mut counts = vec![0.0; self.count + 1];
         for sample in samples {
             counts[self.labels[*sample] as usize] += 1.0;
@@ -91,7 +91,7 @@ impl<'a> Counter<'a> {
 
     fn all(&self) -> Vec<f64> {
         let samples: Vec<usize> = (0..self.labels.len()).collect();
-        self.of(&samples)
+        self.count(&samples)
     }
 }
 

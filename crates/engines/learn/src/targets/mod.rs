@@ -20,10 +20,10 @@ pub const OTHER: &str = "other";
 /// ```
 /// use protomer_learn::targets::Target;
 ///
-/// assert_eq!(Target::SpaceGroup.of("P 1 21 1")?, "P21");
-/// assert_eq!(Target::PointGroup.of("19")?, "222");
-/// assert_eq!(Target::Polar.of("H 3")?, "polar");
-/// assert!(Target::CrystalSystem.of("P -1").is_err(), "it has an inversion");
+/// assert_eq!(Target::SpaceGroup.read("P 1 21 1")?, "P21");
+/// assert_eq!(Target::PointGroup.read("19")?, "222");
+/// assert_eq!(Target::Polar.read("H 3")?, "polar");
+/// assert!(Target::CrystalSystem.read("P -1").is_err(), "it has an inversion");
 /// # Ok::<(), protomer_learn::LearnError>(())
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -51,17 +51,17 @@ impl Target {
     ///
     /// ```
     /// use protomer_learn::targets::Target;
-    /// assert_eq!(Target::SpaceGroup.of("19")?, "P212121");
-    /// assert_eq!(Target::CrystalSystem.of("P 21 21 21")?, "orthorhombic");
-    /// assert_eq!((Target::Polar.of("P 1")?, Target::Polar.of("19")?), ("polar".into(), "non-polar".into()));
-    /// assert!(Target::SpaceGroup.of("P -1").is_err(), "a mirror image");
+    /// assert_eq!(Target::SpaceGroup.read("19")?, "P212121");
+    /// assert_eq!(Target::CrystalSystem.read("P 21 21 21")?, "orthorhombic");
+    /// assert_eq!((Target::Polar.read("P 1")?, Target::Polar.read("19")?), ("polar".into(), "non-polar".into()));
+    /// assert!(Target::SpaceGroup.read("P -1").is_err(), "a mirror image");
     /// # Ok::<(), protomer_learn::LearnError>(())
     /// ```
     ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if no crystal of a protein can have
     /// this space group, and if the label is not a finite number.
-    pub fn of(self, label: &str) -> Result<String> {
+    pub fn read(self, label: &str) -> Result<String> {
         match self {
             Self::Label => return Ok(label.to_owned()),
             Self::Number => return Ok(number(label)?.to_string()),
@@ -105,7 +105,7 @@ pub fn number(label: &str) -> Result<f64> {
 /// use protomer_learn::targets::{Classes, Target};
 ///
 /// let labels = ["P 21 21 21", "19", "C 1 2 1", "C2", "P 6"];
-/// let classes = Classes::of(&labels, Target::SpaceGroup, 2)?;
+/// let classes = Classes::from_labels(&labels, Target::SpaceGroup, 2)?;
 /// assert_eq!(classes.names, ["C2", "P212121", "other"]);
 /// assert_eq!(classes.labels, [1, 1, 0, 0, 2]);
 /// # Ok::<(), protomer_learn::LearnError>(())
@@ -135,10 +135,10 @@ impl Classes {
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) names a label that the target does not
     /// know.
-    pub fn of<S: AsRef<str>>(labels: &[S], target: Target, least: usize) -> Result<Self> {
+    pub fn from_labels<S: AsRef<str>>(labels: &[S], target: Target, least: usize) -> Result<Self> {
         let mut classes = Vec::with_capacity(labels.len());
         for label in labels {
-            classes.push(target.of(label.as_ref())?);
+            classes.push(target.read(label.as_ref())?);
         }
         let counts = count(&classes);
         let mut names: Vec<&str> = counts.keys().copied().collect();
@@ -175,7 +175,7 @@ impl Classes {
     /// use protomer_learn::targets::{Classes, Target};
     ///
     /// let labels = ["a", "b", "a", "b", "c", "d", "d"];
-    /// let classes = Classes::of(&labels, Target::Label, 2)?;
+    /// let classes = Classes::from_labels(&labels, Target::Label, 2)?;
     /// let joined = classes.joined(&labels);
     /// assert_eq!((joined.len(), &*joined[0].label, joined[0].samples), (1, "c", 1));
     /// # Ok::<(), protomer_learn::LearnError>(())
@@ -218,7 +218,7 @@ mod tests {
         let count = |target: Target, class: &str| {
             SPACE_GROUPS
                 .iter()
-                .filter(|(number, _)| target.of(&number.to_string()).unwrap() == class)
+                .filter(|(number, _)| target.read(&number.to_string()).unwrap() == class)
                 .count()
         };
         let systems = [
@@ -258,9 +258,9 @@ mod tests {
             .collect();
         assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
         for (number, symbols) in SPACE_GROUPS {
-            let first = Target::SpaceGroup.of(&number.to_string()).unwrap();
+            let first = Target::SpaceGroup.read(&number.to_string()).unwrap();
             for symbol in symbols {
-                assert_eq!(Target::SpaceGroup.of(symbol).unwrap(), first);
+                assert_eq!(Target::SpaceGroup.read(symbol).unwrap(), first);
             }
         }
     }
@@ -275,31 +275,35 @@ mod tests {
             "P2_12_12_1",
             "19",
         ] {
-            assert_eq!(Target::SpaceGroup.of(spelling).unwrap(), "P212121");
+            assert_eq!(Target::SpaceGroup.read(spelling).unwrap(), "P212121");
         }
-        assert_eq!(Target::SpaceGroup.of("R 3 2 :H").unwrap(), "R32");
-        assert_eq!(Target::SpaceGroup.of("C 1 2 1").unwrap(), "C2");
-        assert_eq!(Target::CrystalSystem.of("P 43 21 2").unwrap(), "tetragonal");
-        assert_eq!(Target::PointGroup.of("P 63 2 2").unwrap(), "622");
+        assert_eq!(Target::SpaceGroup.read("R 3 2 :H").unwrap(), "R32");
+        assert_eq!(Target::SpaceGroup.read("C 1 2 1").unwrap(), "C2");
+        assert_eq!(
+            Target::CrystalSystem.read("P 43 21 2").unwrap(),
+            "tetragonal"
+        );
+        assert_eq!(Target::PointGroup.read("P 63 2 2").unwrap(), "622");
         for wrong in ["P -1", "P 21/c", "2", "231", "300", "", "banana"] {
-            assert!(Target::Polar.of(wrong).is_err(), "{wrong}");
+            assert!(Target::Polar.read(wrong).is_err(), "{wrong}");
         }
-        assert_eq!(Target::Label.of("banana").unwrap(), "banana");
-        assert_eq!(Target::Number.of(" -1.50e1").unwrap(), "-15");
+        assert_eq!(Target::Label.read("banana").unwrap(), "banana");
+        assert_eq!(Target::Number.read(" -1.50e1").unwrap(), "-15");
         for wrong in ["banana", "", "inf", "NaN"] {
-            assert!(Target::Number.of(wrong).is_err(), "{wrong}");
+            assert!(Target::Number.read(wrong).is_err(), "{wrong}");
         }
     }
 
     #[test]
     fn rare_classes_join() {
         let labels = ["b", "a", "b", "c", "d", "a", "b"];
-        let classes = Classes::of(&labels, Target::Label, 2).unwrap();
+        let classes = Classes::from_labels(&labels, Target::Label, 2).unwrap();
         assert_eq!(classes.names, ["a", "b", "other"]);
         assert_eq!(classes.labels, [1, 0, 1, 2, 2, 0, 1]);
-        let all = Classes::of(&labels, Target::Label, 1).unwrap();
+        let all = Classes::from_labels(&labels, Target::Label, 1).unwrap();
         assert_eq!(all.names, ["a", "b", "c", "d"]);
-        let named_other = Classes::of(&["other", "z", "z", "other"], Target::Label, 1).unwrap();
+        let named_other =
+            Classes::from_labels(&["other", "z", "z", "other"], Target::Label, 1).unwrap();
         assert_eq!(
             (named_other.names.len(), named_other.labels),
             (2, vec![1, 0, 0, 1])
@@ -308,17 +312,17 @@ mod tests {
     #[test]
     fn joined_labels_are_counted() {
         let labels = ["b", "a", "b", "c", "d", "c", "b"];
-        let classes = Classes::of(&labels, Target::Label, 3).unwrap();
+        let classes = Classes::from_labels(&labels, Target::Label, 3).unwrap();
         let joined = classes.joined(&labels);
         let found: Vec<_> = joined
             .iter()
             .map(|one| (&*one.label, one.samples))
             .collect();
         assert_eq!(found, [("a", 1), ("c", 2), ("d", 1)]);
-        let all = Classes::of(&labels, Target::Label, 1).unwrap();
+        let all = Classes::from_labels(&labels, Target::Label, 1).unwrap();
         assert!(all.joined(&labels).is_empty());
         // A label that is called "other" has not become it.
-        let named = Classes::of(&["other", "z"], Target::Label, 1).unwrap();
+        let named = Classes::from_labels(&["other", "z"], Target::Label, 1).unwrap();
         assert!(named.joined(&["other", "z"]).is_empty());
     }
 }

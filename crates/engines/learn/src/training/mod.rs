@@ -52,7 +52,7 @@ use std::ops::ControlFlow;
 /// let control = Control::Shapes;
 /// let set = control.samples(Variant::Usual, 60, 16, 1);
 /// let labels: Vec<&str> = set.descriptions().iter().map(|known| &*known.label).collect();
-/// let classes = Classes::of(&labels, Target::Label, 1)?;
+/// let classes = Classes::from_labels(&labels, Target::Label, 1)?;
 /// let split = Split::grouped(set.descriptions(), 1, Fractions::default())?;
 /// let experiment = &control.experiments()[0];
 /// let training = Training {
@@ -285,7 +285,8 @@ impl Training<'_> {
             weights.push(parts.weights[*sample]);
         }
         let classes = self.classes.names.len();
-        let mut scores = Scores::of(&probabilities, &labels, classes, Some(&weights))?;
+        let mut scores =
+            Scores::from_probabilities(&probabilities, &labels, classes, Some(&weights))?;
         if let (Some(numbers), Some(head)) = (&self.numbers, &state.progress.card.normal) {
             let pairs = parts.validation.iter().zip(&outputs.numbers).zip(&weights);
             let losses = pairs.map(|((sample, predicted), weight)| {

@@ -303,7 +303,7 @@ fn card(training: &Training, usable: &[usize], weights: &[f64]) -> Result<ModelC
         Some(numbers) => {
             let weighted = usable.iter();
             let weighted = weighted.map(|sample| (numbers.of_samples[*sample], weights[*sample]));
-            Some(NormalHead::of(&weighted.collect::<Vec<_>>())?)
+            Some(NormalHead::fit(&weighted.collect::<Vec<_>>())?)
         }
         None => None,
     };

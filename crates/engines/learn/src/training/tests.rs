@@ -62,7 +62,7 @@ fn classes(source: &InMemory) -> Classes {
         .iter()
         .map(|description| description.label.as_str())
         .collect();
-    Classes::of(&labels, Target::Label, 1).unwrap()
+    Classes::from_labels(&labels, Target::Label, 1).unwrap()
 }
 
 fn network(channels: usize) -> NetworkSettings {
@@ -177,7 +177,7 @@ fn a_potential_is_learnt_and_its_absence_is_not() {
             .model
             .predict(&source, &split.test, PredictionSettings::default())
             .unwrap();
-        Scores::of(&p.probabilities, &truth, 2, None)
+        Scores::from_probabilities(&p.probabilities, &truth, 2, None)
             .unwrap()
             .balanced_accuracy
     };
@@ -634,5 +634,10 @@ fn eight_samples_are_learnt_by_heart() {
         .predict(&source, &split.training, PredictionSettings::default())
         .unwrap()
         .probabilities;
-    assert_eq!(Scores::of(&p, &all.labels, 2, None).unwrap().accuracy, 1.0);
+    assert_eq!(
+        Scores::from_probabilities(&p, &all.labels, 2, None)
+            .unwrap()
+            .accuracy,
+        1.0
+    );
 }

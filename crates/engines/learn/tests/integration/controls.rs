@@ -17,7 +17,7 @@ fn verdict(control: Control, experiment: &Experiment) -> Verdict {
     let set = control.samples(experiment.variant, plan.samples, plan.size, SEED);
     let known = set.descriptions();
     let labels: Vec<&str> = known.iter().map(|known| &*known.label).collect();
-    let classes = Classes::of(&labels, Target::Label, 1).unwrap();
+    let classes = Classes::from_labels(&labels, Target::Label, 1).unwrap();
     let split = experiment.split(known, SEED, plan.fractions).unwrap();
     let network = control.network(experiment, Form::Short);
     let settings = control.training(experiment, Form::Short, SEED);
@@ -34,7 +34,8 @@ fn verdict(control: Control, experiment: &Experiment) -> Verdict {
         });
     }
     let count = classes.names.len();
-    let scores = Scores::of(&predictions.probabilities, &truth, count, None).unwrap();
+    let scores =
+        Scores::from_probabilities(&predictions.probabilities, &truth, count, None).unwrap();
     let expected = experiment.expected;
     expected.verdict(scores.balanced_accuracy, count, independent.len())
 }

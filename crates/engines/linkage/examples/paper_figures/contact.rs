@@ -39,7 +39,7 @@ fn after_contact(
         println!("r0 = {rod_length}, spread {spread}, replica {replica}: {error}");
         return Ok(None);
     }
-    let energies = ModeEnergies::of(&network, &run.state);
+    let energies = ModeEnergies::from_state(&network, &run.state);
     let share = energies.checkerboard_fraction(OutOf::Rotational, 0.0);
     Ok(share.map(|share| [share, run.engine.statistics().impacts as f64]))
 }

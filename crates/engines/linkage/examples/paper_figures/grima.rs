@@ -53,10 +53,10 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
             for frame in 0..1000 {
                 run.advance(FRAME)?;
                 let found = [
-                    Modes::of(&network, &run.state.positions).checkerboard,
-                    Modes::of(&network, &run.state.velocities).checkerboard,
+                    Modes::from_coordinates(&network, &run.state.positions).checkerboard,
+                    Modes::from_coordinates(&network, &run.state.velocities).checkerboard,
                 ];
-                let exact = orbit.at(run.state.time);
+                let exact = orbit.state(run.state.time);
                 worst[0] = worst[0].max((found[0] - exact[0]).abs());
                 worst[1] = worst[1].max((found[1].abs() - orbit.rate_at(found[0])).abs());
                 if parts == 1.0 && frame % 10 == 0 {

@@ -38,7 +38,7 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
             snapshots.extend(positions.chunks_exact(3).map(body));
         }
         if frame % 2 == 0 {
-            let modes = Modes::of(&network, positions);
+            let modes = Modes::from_coordinates(&network, positions);
             let mut row = vec![
                 run.state.time,
                 modes.checkerboard,

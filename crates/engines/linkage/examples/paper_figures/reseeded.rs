@@ -66,7 +66,7 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
                     );
                     break;
                 }
-                let energies = ModeEnergies::of(&network, &run.state);
+                let energies = ModeEnergies::from_state(&network, &run.state);
                 for (shares, out_of) in shares.iter_mut().zip([OutOf::Rotational, OutOf::Total]) {
                     shares.extend(energies.checkerboard_fraction(out_of, 0.0));
                 }

@@ -55,11 +55,11 @@ impl Domains {
     /// use protomer_linkage::analysis::domains::Domains;
     /// use protomer_linkage::lattice::{Edges, Network, Square};
     /// let network = Network::lattice(1, 4, 0.5, Square::default(), Edges::Open, 0.3)?;
-    /// let domains = Domains::of(&network, &[0.1, 0.2, -0.1, 0.3]);
+    /// let domains = Domains::find(&network, &[0.1, 0.2, -0.1, 0.3]);
     /// assert_eq!(domains, Domains { count: 3, largest: 2 });
     /// # Ok::<(), protomer_linkage::CrystalError>(())
     /// ```
-    pub fn of(network: &Network, sides: &[f64]) -> Self {
+    pub fn find(network: &Network, sides: &[f64]) -> Self {
         let mut sets = DisjointSets::new(sides.len());
         for rod in &network.rods {
             let (p, q) = (rod.from.square, rod.to.square);
@@ -116,7 +116,7 @@ impl SideCorrelation {
                         Some(_) => (to - from).min(length + from - to),
                         None => to - from,
                     };
-                    if let Some(second) = network.at(place[0], place[1]) {
+                    if let Some(second) = network.square(place[0], place[1]) {
                         pairs.push(([first, second], apart));
                     }
                 }
@@ -234,7 +234,7 @@ mod tests {
                     }
                 }
             }
-            assert_eq!(Domains::of(&network, &sides), painted(&network, &sides));
+            assert_eq!(Domains::find(&network, &sides), painted(&network, &sides));
         }
         let square = sums[0] / counts[0];
         for (d, value) in correlation.values().into_iter().enumerate() {
@@ -269,7 +269,7 @@ mod tests {
             .map(|p| if p % 8 < 4 { 0.2 } else { -0.2 })
             .collect();
         assert_eq!(
-            Domains::of(&network, &sides),
+            Domains::find(&network, &sides),
             Domains {
                 count: 2,
                 largest: 32

@@ -75,11 +75,11 @@ pub fn compliances(strains: &[[f64; 3]], area: f64, kt: f64, blocks: usize) -> R
         )));
     }
     let origin = strains[0];
-    let all = Sums::of(strains, origin);
+    let all = Sums::from_strains(strains, origin);
     let mut without = Vec::with_capacity(blocks);
     for block in 0..blocks {
         let range = block * samples / blocks..(block + 1) * samples / blocks;
-        let remainder = all.less(&Sums::of(&strains[range], origin));
+        let remainder = all.less(&Sums::from_strains(&strains[range], origin));
         without.push(remainder.answers(area / kt));
     }
     let answers = all.answers(area / kt);
@@ -155,19 +155,22 @@ pub fn response(runs: &[LoadedRun<'_>], area: f64, kt: f64, blocks: usize) -> Re
     }
     let mut wholes = Vec::with_capacity(runs.len());
     for run in runs {
-        wholes.push((run.stress, Sums::of(&widened(run.strains), [0.0; 3])));
+        wholes.push((
+            run.stress,
+            Sums::from_strains(&widened(run.strains), [0.0; 3]),
+        ));
     }
-    let answers = Answers::of(&wholes, area / kt);
+    let answers = Answers::from_runs(&wholes, area / kt);
     let mut without = Vec::with_capacity(blocks);
     for block in 0..blocks {
         let mut shortened = Vec::with_capacity(runs.len());
         for (run, (stress, whole)) in runs.iter().zip(&wholes) {
             let samples = run.strains.len();
             let range = block * samples / blocks..(block + 1) * samples / blocks;
-            let block_sums = Sums::of(&widened(&run.strains[range]), [0.0; 3]);
+            let block_sums = Sums::from_strains(&widened(&run.strains[range]), [0.0; 3]);
             shortened.push((*stress, whole.less(&block_sums)));
         }
-        without.push(Answers::of(&shortened, area / kt));
+        without.push(Answers::from_runs(&shortened, area / kt));
     }
     let with_error = |value: fn(&Answers) -> f64| {
         let values: Vec<f64> = without.iter().map(value).collect();
@@ -204,7 +207,7 @@ struct Answers {
 }
 
 impl Answers {
-    fn of(runs: &[(f64, Sums)], scale: f64) -> Self {
+    fn from_runs(runs: &[(f64, Sums)], scale: f64) -> Self {
         let count = runs.len() as f64;
         let mean_stress = runs.iter().map(|(stress, _)| stress).sum::<f64>() / count;
         let (mut squares, mut along, mut across) = (0.0, 0.0, 0.0);
@@ -239,7 +242,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(strains: &[[f64; 3]], origin: [f64; 3]) -> Self {
+    fn from_strains(strains: &[[f64; 3]], origin: [f64; 3]) -> Self {
         let mut sums = Self::default();
         for strain in strains {
             let [x, y, shear] = [0, 1, 2].map(|axis| strain[axis] - origin[axis]);

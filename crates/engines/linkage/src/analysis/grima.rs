@@ -169,11 +169,11 @@ impl CoherentOrbit {
     /// use protomer_linkage::analysis::grima::CoherentOrbit;
     /// use protomer_linkage::lattice::Square;
     /// let orbit = CoherentOrbit::new(2, 2, Square::default(), 1.0, 0.7, -1.0)?;
-    /// let [angle, rate] = orbit.at(0.0);
+    /// let [angle, rate] = orbit.state(0.0);
     /// assert!((angle - 0.7).abs() < 1e-12 && (rate + 1.0).abs() < 1e-12);
     /// # Ok::<(), protomer_linkage::CrystalError>(())
     /// ```
-    pub fn at(&self, time: f64) -> [f64; 2] {
+    pub fn state(&self, time: f64) -> [f64; 2] {
         let mut travelled = self.start - self.speed * time;
         let mut direction = self.speed;
         if let Some(wall) = self.wall {
@@ -263,7 +263,7 @@ mod tests {
                 next = advance(there, h - low);
             }
             y = next;
-            let [angle, rate] = orbit.at(f64::from(step) * h);
+            let [angle, rate] = orbit.state(f64::from(step) * h);
             assert!(
                 (angle - y[0]).abs() < 1e-8 && (rate - y[1]).abs() < 1e-8,
                 "{step}: {angle} {rate} {y:?}"
@@ -271,10 +271,10 @@ mod tests {
         }
         assert!(bounces >= 3, "{bounces}");
         // And backwards in time.
-        let [angle, rate] = orbit.at(-3.0);
+        let [angle, rate] = orbit.state(-3.0);
         let back = CoherentOrbit::new(4, 4, Square::default(), rod_length, angle, rate)
             .unwrap()
-            .at(3.0);
+            .state(3.0);
         assert!((back[0] - 0.9).abs() < 1e-12 && (back[1] - 0.8).abs() < 1e-12);
     }
 

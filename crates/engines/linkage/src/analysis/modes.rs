@@ -32,7 +32,7 @@ const NO_ENERGY: f64 = 1e-14;
 /// use protomer_linkage::analysis::modes::Modes;
 /// use protomer_linkage::lattice::{Edges, Network, Square, State};
 /// let network = Network::lattice(4, 4, 0.2, Square::default(), Edges::Open, 0.3)?;
-/// let modes = Modes::of(&network, &State::coherent(&network, 0.3).positions);
+/// let modes = Modes::from_coordinates(&network, &State::coherent(&network, 0.3).positions);
 /// assert!((modes.checkerboard - 0.3).abs() < 1e-15 && modes.uniform.abs() < 1e-15);
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
@@ -51,7 +51,7 @@ pub struct Modes {
 impl Modes {
     /// The modes of the angles of an array x, y, θ per square, or of the angular velocities of an
     /// array ẋ, ẏ, ω.
-    pub fn of(network: &Network, coordinates: &[f64]) -> Self {
+    pub fn from_coordinates(network: &Network, coordinates: &[f64]) -> Self {
         let [uniform, checkerboard] = coherent_part(network, coordinates);
         let [vertical, horizontal] = stripes(network, coordinates);
         Self {
@@ -121,8 +121,8 @@ pub enum OutOf {
 
 impl ModeEnergies {
     /// The energies of this state.
-    pub fn of(network: &Network, state: &State) -> Self {
-        let modes = Modes::of(network, &state.velocities);
+    pub fn from_state(network: &Network, state: &State) -> Self {
+        let modes = Modes::from_coordinates(network, &state.velocities);
         let (mut inertia, mut rotational) = (0.0, 0.0);
         for (square, omega) in network.squares.iter().zip(angles(&state.velocities)) {
             inertia += square.inertia;
@@ -149,7 +149,7 @@ impl ModeEnergies {
     /// let velocities = StartVelocities::Checkerboard { rate: 1.0 };
     /// let start = Start { velocities, ..Start::default() };
     /// let network = Network::lattice(2, 2, 0.2, Square::default(), Edges::Open, start.angle)?;
-    /// let energies = ModeEnergies::of(&network, &start.build(&network, 0)?.state);
+    /// let energies = ModeEnergies::from_state(&network, &start.build(&network, 0)?.state);
     /// let fraction = energies.checkerboard_fraction(OutOf::Rotational, 0.0).unwrap();
     /// assert!((fraction - 1.0).abs() < 1e-12);
     /// # Ok::<(), protomer_linkage::CrystalError>(())
@@ -227,7 +227,7 @@ mod tests {
         let network = network(2, 2);
         let angles = [0.3, -0.8, 0.1, 0.6];
         let coordinates: Vec<f64> = angles.iter().flat_map(|angle| [0.0, 0.0, *angle]).collect();
-        let modes = Modes::of(&network, &coordinates);
+        let modes = Modes::from_coordinates(&network, &coordinates);
         let [a, b, c, d] = angles;
         let expected = Modes {
             uniform: (a + b + c + d) / 4.0,
@@ -256,7 +256,7 @@ mod tests {
             positions: coordinates.clone(),
             velocities: coordinates,
         };
-        let energies = ModeEnergies::of(&network, &state);
+        let energies = ModeEnergies::from_state(&network, &state);
         let parts =
             energies.uniform + energies.checkerboard + energies.vertical + energies.horizontal;
         assert!((parts - energies.rotational).abs() < 1e-15);
@@ -270,7 +270,7 @@ mod tests {
             vertical: 0.2,
             horizontal: -0.1,
         };
-        let found = Modes::of(&network(4, 6), &combined(&network(4, 6), mixed));
+        let found = Modes::from_coordinates(&network(4, 6), &combined(&network(4, 6), mixed));
         assert!((found.vertical - 0.2).abs() < 1e-14 && (found.horizontal + 0.1).abs() < 1e-14);
         // Odd: exact for what is fitted together.
         let coherent = Modes {
@@ -281,7 +281,7 @@ mod tests {
         for (rows, columns) in [(3, 5), (1, 4), (3, 1), (4, 6)] {
             let network = network(rows, columns);
             let coordinates = combined(&network, coherent);
-            let found = Modes::of(&network, &coordinates);
+            let found = Modes::from_coordinates(&network, &coordinates);
             assert!(
                 (found.uniform - 0.4).abs() < 1e-14 && (found.checkerboard + 0.7).abs() < 1e-14
             );
@@ -308,7 +308,7 @@ mod tests {
             positions: vec![0.0; 48],
             velocities,
         };
-        let energies = ModeEnergies::of(&network, &state);
+        let energies = ModeEnergies::from_state(&network, &state);
         let fraction = energies
             .checkerboard_fraction(OutOf::Rotational, 0.0)
             .unwrap();
@@ -333,7 +333,8 @@ mod tests {
             .chunks_exact_mut(3)
             .for_each(|v| (v[0], v[1]) = (0.0, 0.0));
         assert_eq!(
-            ModeEnergies::of(&network, &state).checkerboard_fraction(OutOf::Rotational, 0.0),
+            ModeEnergies::from_state(&network, &state)
+                .checkerboard_fraction(OutOf::Rotational, 0.0),
             None
         );
     }

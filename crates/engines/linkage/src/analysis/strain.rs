@@ -146,7 +146,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(strains: &[[f64; 2]], origin: [f64; 2]) -> Self {
+    fn from_strains(strains: &[[f64; 2]], origin: [f64; 2]) -> Self {
         let mut sums = Self::default();
         for strain in strains {
             let (x, y) = (strain[0] - origin[0], strain[1] - origin[1]);
@@ -214,7 +214,7 @@ pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio
         )));
     }
     let origin = mean_strain(strains);
-    let all = Sums::of(strains, origin);
+    let all = Sums::from_strains(strains, origin);
     let [xx, xy, yy] = all.moments();
     let spread_is_real = xx > 0.0 && yy > 0.0 && (xx + yy).is_finite();
     if !spread_is_real {
@@ -225,7 +225,7 @@ pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio
     let mut without = Vec::with_capacity(blocks);
     for block in 0..blocks {
         let range = block * samples / blocks..(block + 1) * samples / blocks;
-        let left_out = Sums::of(&strains[range], origin);
+        let left_out = Sums::from_strains(&strains[range], origin);
         without.push(all.less(&left_out).ratios());
     }
     let error = |which: usize| {
@@ -371,7 +371,7 @@ mod tests {
 
     /// Slope of the long axis of a cloud: what total least squares takes for -ν.
     fn slope_of_long_axis(strains: &[[f64; 2]]) -> f64 {
-        let [xx, xy, yy] = Sums::of(strains, mean_strain(strains)).moments();
+        let [xx, xy, yy] = Sums::from_strains(strains, mean_strain(strains)).moments();
         (0.5 * (2.0 * xy).atan2(xx - yy)).tan()
     }
 

@@ -85,7 +85,7 @@ impl Framework {
 
     fn check_rod(&self, index: usize, rod: &Rod) -> Result<()> {
         let term = TermName("rod", index);
-        let from = Neighbour::here(rod.from);
+        let from = Neighbour::in_own_cell(rod.from);
         self.check_neighbour(term, &from)?;
         self.check_neighbour(term, &rod.to)?;
         term.check_stiffness(rod.stiffness_kcal_mol_angstrom2)?;
@@ -102,7 +102,7 @@ impl Framework {
 
     fn check_hinge(&self, index: usize, hinge: &Hinge) -> Result<()> {
         let term = TermName("hinge", index);
-        let vertex = Neighbour::here(hinge.vertex);
+        let vertex = Neighbour::in_own_cell(hinge.vertex);
         self.check_neighbour(term, &vertex)?;
         for end in &hinge.between {
             self.check_neighbour(term, end)?;

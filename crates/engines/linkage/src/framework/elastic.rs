@@ -26,7 +26,7 @@ const ZERO_STRAIN: f64 = 1e-9;
 ///
 /// ```
 /// use protomer_linkage::framework::{Elasticity, build::face_centred_cubic};
-/// let elasticity = Elasticity::of(&face_centred_cubic(3.0, 7.0)?)?;
+/// let elasticity = Elasticity::from_framework(&face_centred_cubic(3.0, 7.0)?)?;
 /// let (c, a) = (&elasticity.stiffness, 3.0);
 /// // C11 = 2 ks/a and C12 = C44 = ks/a; in a Bravais lattice nodes follow the strain anyway.
 /// assert!((c[(0, 0)] - 14.0 / a).abs() < 1e-12 && (c[(3, 3)] - 7.0 / a).abs() < 1e-12);
@@ -79,16 +79,16 @@ impl Elasticity {
     /// # Errors
     /// As [`Framework::check`]; [`CrystalError::BadState`](crate::CrystalError::BadState) if the
     /// nodes cannot be relaxed because the network is not at a minimum of its energy.
-    pub fn of(framework: &Framework) -> Result<Self> {
+    pub fn from_framework(framework: &Framework) -> Result<Self> {
         let energy = NetworkEnergy::new(framework)?;
-        Self::at(framework, &energy, &Configuration::built(framework))
+        Self::from_configuration(framework, &energy, &Configuration::built(framework))
     }
 
     /// The elastic constants of a network whose nodes and cell are elsewhere than built.
     ///
     /// # Errors
-    /// As [`of`](Elasticity::of).
-    pub fn at(
+    /// As [`from_framework`](Elasticity::from_framework).
+    pub fn from_configuration(
         framework: &Framework,
         energy: &NetworkEnergy,
         configuration: &Configuration,
@@ -109,7 +109,7 @@ impl Elasticity {
             clamped_stiffness: clamped / volume,
             stress: d.strain_gradient.iter().map(|x| x / volume).collect(),
             internal_mechanisms: relaxation.internal_mechanisms,
-            maxwell: MaxwellCount::of(framework, energy),
+            maxwell: MaxwellCount::from_framework(framework, energy),
         })
     }
 
@@ -124,7 +124,7 @@ impl Elasticity {
 }
 
 impl MaxwellCount {
-    fn of(framework: &Framework, energy: &NetworkEnergy) -> Self {
+    fn from_framework(framework: &Framework, energy: &NetworkEnergy) -> Self {
         let mut springs = 0;
         for rod in &framework.rods {
             springs += usize::from(rod.stiffness_kcal_mol_angstrom2 > 0.0);

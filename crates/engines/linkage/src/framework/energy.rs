@@ -83,7 +83,7 @@ impl NetworkEnergy {
 
     fn add_rods(&mut self, framework: &Framework, built: &Configuration) {
         for rod in &framework.rods {
-            let bonds = vec![bond(&Neighbour::here(rod.from), &rod.to)];
+            let bonds = vec![bond(&Neighbour::in_own_cell(rod.from), &rod.to)];
             let (stiffness, rest_value) =
                 (rod.stiffness_kcal_mol_angstrom2, rod.rest_length_angstrom);
             self.add(built, Kind::Rod, stiffness, rest_value, bonds);
@@ -97,7 +97,7 @@ impl NetworkEnergy {
             Kind::Hinge
         };
         for hinge in &framework.hinges {
-            let vertex = Neighbour::here(hinge.vertex);
+            let vertex = Neighbour::in_own_cell(hinge.vertex);
             let [first, second] = &hinge.between;
             let bonds = vec![bond(&vertex, first), bond(&vertex, second)];
             let (stiffness, rest_value) = (hinge.stiffness_kcal_mol_rad2, hinge.rest_angle_rad);

@@ -40,7 +40,7 @@ impl Framework {
     /// };
     /// let bending = Flexure { bending_stiffness_kcal_angstrom_mol: 8.0, segments: 6 };
     /// let flexing = honeycomb(&made_of)?.flexing(0, &bending)?;
-    /// let moduli = Moduli::new(&Elasticity::of(&flexing)?, 1.0);
+    /// let moduli = Moduli::new(&Elasticity::from_framework(&flexing)?, 1.0);
     /// // A rib that flexes between parallel ends resists as one with hinges of 6 EI/l at both.
     /// made_of.hinge_stiffness_kcal_mol_rad2 = 6.0 * 8.0 / (1.0 + 2.0 / 36.0);
     /// let hinging = made_of.both(1.0);
@@ -109,7 +109,7 @@ impl Framework {
     /// seen from these.
     fn add_rib(&mut self, straight: &Framework, rib: &Rod, flexure: &Flexure) -> [Neighbour; 2] {
         let segments = flexure.segments;
-        let from = Neighbour::here(rib.from);
+        let from = Neighbour::in_own_cell(rib.from);
         let (start, way) = (straight.place(&from), straight.difference(&from, &rib.to));
         let first_inside = self.nodes_angstrom.len();
         for segment in 1..segments {
@@ -119,7 +119,9 @@ impl Framework {
         }
         // Nodes along the rib in the cell of its start; only the last may be in another.
         let mut chain = vec![from];
-        chain.extend((1..segments).map(|segment| Neighbour::here(first_inside + segment - 1)));
+        chain.extend(
+            (1..segments).map(|segment| Neighbour::in_own_cell(first_inside + segment - 1)),
+        );
         chain.push(rib.to.clone());
         for pair in chain.windows(2) {
             self.rods.push(Rod {
@@ -177,6 +179,6 @@ fn hinge(vertex: usize, between: [Neighbour; 2], stiffness_kcal_mol_rad2: f64) -
 }
 
 fn length(framework: &Framework, rod: &Rod) -> f64 {
-    let way = framework.difference(&Neighbour::here(rod.from), &rod.to);
+    let way = framework.difference(&Neighbour::in_own_cell(rod.from), &rod.to);
     way.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// use protomer_linkage::framework::{Elasticity, Framework, Moduli, Neighbour, Rod};
 /// let spring = |image: [i32; 2], k: f64| Rod {
 ///     from: 0,
-///     to: Neighbour::there(0, &image),
+///     to: Neighbour::in_image(0, &image),
 ///     stiffness_kcal_mol_angstrom2: k,
 ///     rest_length_angstrom: None,
 /// };
@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 ///     hinges: Vec::new(),
 ///     torsions: Vec::new(),
 /// };
-/// let moduli = Moduli::new(&Elasticity::of(&net)?, 1.0);
+/// let moduli = Moduli::new(&Elasticity::from_framework(&net)?, 1.0);
 /// // C11 = k + k', C12 = C33 = k'.
 /// assert!((moduli.poissons[0][1].unwrap() - 1.0 / 5.0).abs() < 1e-12);
 /// # Ok::<(), protomer_linkage::CrystalError>(())
@@ -64,9 +64,9 @@ fn one() -> f64 {
 ///
 /// ```
 /// use protomer_linkage::framework::Neighbour;
-/// let right = Neighbour::there(0, &[1, 0]);
+/// let right = Neighbour::in_image(0, &[1, 0]);
 /// assert_eq!((right.node, right.image), (0, vec![1, 0]));
-/// assert!(Neighbour::here(3).image.is_empty());
+/// assert!(Neighbour::in_own_cell(3).image.is_empty());
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -124,7 +124,7 @@ pub struct Torsion {
 
 impl Neighbour {
     /// A node of the cell itself.
-    pub fn here(node: usize) -> Self {
+    pub fn in_own_cell(node: usize) -> Self {
         Self {
             node,
             image: Vec::new(),
@@ -132,7 +132,7 @@ impl Neighbour {
     }
 
     /// A node of another cell.
-    pub fn there(node: usize, image: &[i32]) -> Self {
+    pub fn in_image(node: usize, image: &[i32]) -> Self {
         Self {
             node,
             image: image.to_vec(),

@@ -14,7 +14,7 @@ use serde::Serialize;
 /// ```
 /// use protomer_linkage::framework::{Elasticity, Moduli, build::rotating_squares};
 /// // Without hinges rotating squares open and close freely, alike in both directions.
-/// let moduli = Moduli::new(&Elasticity::of(&rotating_squares(2.0, 0.3, 100.0, 0.0)?)?, 1.0);
+/// let moduli = Moduli::new(&Elasticity::from_framework(&rotating_squares(2.0, 0.3, 100.0, 0.0)?)?, 1.0);
 /// assert_eq!(moduli.youngs_gpa[0], None);
 /// assert!((moduli.poissons[0][1].unwrap() + 1.0).abs() < 1e-9);
 /// # Ok::<(), protomer_linkage::CrystalError>(())
@@ -73,7 +73,7 @@ impl<'a> Answers<'a> {
 
     /// The answer to a stress, where `projection` projects a strain onto the other direction of
     /// interest.
-    fn to(&self, stress: &[f64], projection: &[f64]) -> Answer {
+    fn answer(&self, stress: &[f64], projection: &[f64]) -> Answer {
         if self.drives_a_mechanism(stress) {
             let poissons = match self.mechanisms {
                 [one] => Some(-product(projection, &one.strain) / product(stress, &one.strain)),
@@ -125,7 +125,7 @@ impl Moduli {
     pub fn new(elasticity: &Elasticity, gpa: f64) -> Self {
         let (dimension, strains) = (elasticity.dimension, elasticity.stiffness.nrows());
         let answers = Answers::new(elasticity);
-        let answer = |i: usize, j: usize| answers.to(&unit(strains, i), &unit(strains, j));
+        let answer = |i: usize, j: usize| answers.answer(&unit(strains, i), &unit(strains, j));
         let modulus = |i: usize| answer(i, i).give.map(|give| gpa / give);
         let mut poissons = vec![vec![None; dimension]; dimension];
         for (i, row) in poissons.iter_mut().enumerate() {
@@ -161,7 +161,7 @@ pub fn polar(elasticity: &Elasticity, gpa: f64, count: usize) -> Vec<Direction> 
         // n n, and its counterpart across; the shear counts half of an engineering strain, twice.
         let stress = [cosine * cosine, sine * sine, sine * cosine];
         let projection = [sine * sine, cosine * cosine, -sine * cosine];
-        let answer = answers.to(&stress, &projection);
+        let answer = answers.answer(&stress, &projection);
         directions.push(Direction {
             angle_deg,
             youngs_gpa: answer.give.map(|give| gpa / give),

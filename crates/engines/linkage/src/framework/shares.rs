@@ -32,7 +32,7 @@ const CHANGE: f64 = 1e-3;
 /// ```
 ///
 /// # Errors
-/// As [`Elasticity::of`].
+/// As [`Elasticity::from_framework`].
 pub fn rod_shares(framework: &Framework) -> Result<Vec<Option<f64>>> {
     let [less, more] = [1.0 - CHANGE, 1.0 + CHANGE].map(|factor| youngs(framework, factor));
     let (less, more) = (less?, more?);
@@ -52,5 +52,5 @@ fn youngs(framework: &Framework, factor: f64) -> Result<Vec<Option<f64>>> {
     for rod in &mut changed.rods {
         rod.stiffness_kcal_mol_angstrom2 *= factor;
     }
-    Ok(Moduli::new(&Elasticity::of(&changed)?, 1.0).youngs_gpa)
+    Ok(Moduli::new(&Elasticity::from_framework(&changed)?, 1.0).youngs_gpa)
 }

@@ -27,7 +27,7 @@ const ONE_SIGN: f64 = 1e-12;
 /// let state = State::coherent(&network, 0.3);
 /// let mut accelerations = vec![0.0; state.positions.len()];
 /// let energy = potential.accelerate(&network, &state.positions, &mut accelerations);
-/// assert!((energy - 4.0 * spline.at(0.6)[0]).abs() < 1e-12, "four rods");
+/// assert!((energy - 4.0 * spline.evaluate(0.6)[0]).abs() < 1e-12, "four rods");
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -106,7 +106,7 @@ impl Force for JointPotential {
         let mut sum = 0.0;
         for joint in &self.joints {
             let [p, q] = joint.squares;
-            let [energy, slope] = self.spline.at(joint.opening(positions));
+            let [energy, slope] = self.spline.evaluate(joint.opening(positions));
             let torque = joint.sign * slope;
             accelerations[3 * p + 2] -= torque / network.squares[p].inertia;
             accelerations[3 * q + 2] += torque / network.squares[q].inertia;
@@ -126,7 +126,7 @@ impl Force for JointPotential {
 /// let state = State::coherent(&network, 0.3);
 /// let mut accelerations = vec![0.0; state.positions.len()];
 /// let energy = potential.accelerate(&network, &state.positions, &mut accelerations);
-/// assert!((energy - 6.0 * spline.at(0.3)[0]).abs() < 1e-12, "six squares");
+/// assert!((energy - 6.0 * spline.evaluate(0.3)[0]).abs() < 1e-12, "six squares");
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -170,7 +170,7 @@ impl OpeningPotential {
 impl Force for OpeningPotential {
     fn accelerate(&self, network: &Network, positions: &[f64], accelerations: &mut [f64]) -> f64 {
         let [_, opening] = coherent_part(network, positions);
-        let [energy, slope] = self.spline.at(opening);
+        let [energy, slope] = self.spline.evaluate(opening);
         let squares = self.weights.len() as f64;
         for (p, weight) in self.weights.iter().enumerate() {
             accelerations[3 * p + 2] -= squares * slope * weight;

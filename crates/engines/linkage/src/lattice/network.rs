@@ -188,8 +188,8 @@ impl Network {
     /// ```
     /// use protomer_linkage::lattice::{Edges, Network, Square};
     /// let network = Network::lattice(2, 3, 0.5, Square::default(), Edges::Open, 0.7)?;
-    /// assert_eq!((network.place(4), network.at(1, 1)), ([1, 1], Some(4)));
-    /// assert_eq!(network.at(2, 0), None, "there are two rows");
+    /// assert_eq!((network.place(4), network.square(1, 1)), ([1, 1], Some(4)));
+    /// assert_eq!(network.square(2, 0), None, "there are two rows");
     /// # Ok::<(), protomer_linkage::CrystalError>(())
     /// ```
     pub fn place(&self, square: usize) -> [usize; 2] {
@@ -200,7 +200,7 @@ impl Network {
     }
 
     /// The square in a row and column; `None` where it is missing.
-    pub fn at(&self, row: usize, column: usize) -> Option<usize> {
+    pub fn square(&self, row: usize, column: usize) -> Option<usize> {
         if row >= self.rows || column >= self.columns {
             return None;
         }
@@ -243,7 +243,7 @@ impl Network {
     /// let network = Network::lattice(3, 3, 0.5, Square::default(), Edges::Open, 0.7)?;
     /// let vacancy = network.without_squares(&[4])?;
     /// assert_eq!((network.rods.len(), vacancy.rods.len()), (12, 8));
-    /// assert_eq!(vacancy.at(1, 1), None);
+    /// assert_eq!(vacancy.square(1, 1), None);
     /// # Ok::<(), protomer_linkage::CrystalError>(())
     /// ```
     ///
@@ -401,9 +401,9 @@ mod tests {
         assert_eq!(
             (
                 holed.squares.len(),
-                holed.at(0, 0),
-                holed.at(1, 1),
-                holed.at(3, 0)
+                holed.square(0, 0),
+                holed.square(1, 1),
+                holed.square(3, 0)
             ),
             (10, None, None, None)
         );
@@ -412,8 +412,8 @@ mod tests {
         let (state, before) = (State::coherent(&holed, 0.5), State::coherent(&full, 0.5));
         for square in 0..10 {
             let [row, column] = holed.place(square);
-            assert_eq!(holed.at(row, column), Some(square));
-            let old = full.at(row, column).unwrap();
+            assert_eq!(holed.square(row, column), Some(square));
+            let old = full.square(row, column).unwrap();
             assert_eq!(holed.sign(square), full.sign(old));
             assert_eq!(
                 state.positions[3 * square..3 * square + 3],

@@ -11,9 +11,9 @@ use crate::error::{CrystalError, Result};
 /// ```
 /// use protomer_linkage::lattice::Spline;
 /// let spline = Spline::through(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0])?;
-/// assert_eq!(spline.at(1.0), [1.0, 0.0]);
+/// assert_eq!(spline.evaluate(1.0), [1.0, 0.0]);
 /// // Straight beyond the last point.
-/// assert!((spline.at(3.0)[0] + 1.5).abs() < 1e-12);
+/// assert!((spline.evaluate(3.0)[0] + 1.5).abs() < 1e-12);
 /// assert!(Spline::through(&[0.0, 0.0], &[1.0, 2.0]).is_err());
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
@@ -45,7 +45,7 @@ impl Spline {
     }
 
     /// Value and slope at this abscissa.
-    pub fn at(&self, x: f64) -> [f64; 2] {
+    pub fn evaluate(&self, x: f64) -> [f64; 2] {
         let [first, last] = self.range();
         if x < first || x > last {
             let end = if x < first { first } else { last };
@@ -179,7 +179,7 @@ mod tests {
                 let [c0, c1, c2, c3] = [0, 1, 2, 3].map(|k| coefficients[4 * i + k]);
                 let value = c0 + t * (c1 + t * (c2 + t * c3));
                 let slope = c1 + t * (2.0 * c2 + 3.0 * t * c3);
-                let at_place = spline.at(x[i] + t);
+                let at_place = spline.evaluate(x[i] + t);
                 assert!((at_place[0] - value).abs() < 1e-11 && (at_place[1] - slope).abs() < 1e-11);
             }
         }
@@ -191,11 +191,15 @@ mod tests {
         let spline = Spline::through(&x, &y).unwrap();
         for k in -40..180 {
             let (place, h) = (0.1 * f64::from(k), 1e-5);
-            let difference = (spline.at(place + h)[0] - spline.at(place - h)[0]) / (2.0 * h);
-            assert!((spline.at(place)[1] - difference).abs() < 1e-8, "{place}");
+            let difference =
+                (spline.evaluate(place + h)[0] - spline.evaluate(place - h)[0]) / (2.0 * h);
+            assert!(
+                (spline.evaluate(place)[1] - difference).abs() < 1e-8,
+                "{place}"
+            );
         }
         for (place, value) in x.iter().zip(&y) {
-            assert!((spline.at(*place)[0] - value).abs() < 1e-13);
+            assert!((spline.evaluate(*place)[0] - value).abs() < 1e-13);
         }
     }
 

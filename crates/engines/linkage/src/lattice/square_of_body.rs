@@ -131,7 +131,7 @@ impl BodySquare {
     /// let mesh = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(10.0));
     /// let mass_properties = mesh.mass_properties()?;
     /// let cube = Solid { mesh: &mesh, mass_properties: &mass_properties, charges: &[] };
-    /// let square = BodySquare::of(&cube, Axis::Z, Size::Corners)?;
+    /// let square = BodySquare::from_solid(&cube, Axis::Z, Size::Corners)?;
     /// assert!((square.half_diagonal_angstrom - 50f64.sqrt()).abs() < 1e-9);
     /// assert!((square.inertia - 1.0 / 3.0).abs() < 1e-9 && square.symmetry_order == 4);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -139,10 +139,10 @@ impl BodySquare {
     ///
     /// # Errors
     /// [`CrystalError::BadState`] if the body has no extent across the axis.
-    pub fn of(solid: &Solid, axis: Axis, size: Size) -> Result<Self> {
+    pub fn from_solid(solid: &Solid, axis: Axis, size: Size) -> Result<Self> {
         let (axis, moments_differ) = choose_axis(solid, axis);
-        let view = View::along(solid, axis);
-        let outline = Outline::of(solid, &view);
+        let view = View::from_axis(solid, axis);
+        let outline = Outline::from_solid(solid, &view);
         let mean = outline.mean();
         if !(mean.is_finite() && mean > 0.0) {
             return Err(CrystalError::BadState(
@@ -251,7 +251,7 @@ struct View {
 }
 
 impl View {
-    fn along(solid: &Solid, axis: Vec3) -> Self {
+    fn from_axis(solid: &Solid, axis: Vec3) -> Self {
         Self {
             centre: solid.mass_properties.centroid,
             axes: plane_across(&axis),
@@ -287,7 +287,7 @@ struct Harmonic {
 }
 
 impl Outline {
-    fn of(solid: &Solid, view: &View) -> Self {
+    fn from_solid(solid: &Solid, view: &View) -> Self {
         let vertices = &solid.mesh.vertices;
         let mut outline = Self {
             points: vertices.iter().map(|vertex| view.flatten(vertex)).collect(),

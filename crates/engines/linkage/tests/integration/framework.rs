@@ -41,7 +41,8 @@ fn all_eighteen_honeycombs_are_those_of_the_reference() {
         for (theta, row) in rows.as_object().unwrap() {
             let number = |key: &str| row[key].as_f64().unwrap();
             let honeycomb = made_of(theta.parse().unwrap(), number("kh"), number("ks"));
-            let elasticity = Elasticity::of(&build::honeycomb(&honeycomb).unwrap()).unwrap();
+            let elasticity =
+                Elasticity::from_framework(&build::honeycomb(&honeycomb).unwrap()).unwrap();
             let moduli = Moduli::new(&elasticity, gpa());
             let ours = [
                 moduli.youngs_gpa[0].unwrap(),
@@ -94,7 +95,8 @@ fn all_eighteen_honeycombs_are_those_of_the_reference() {
 fn compliances_add() {
     for theta in [30.0, 45.0, 60.0, 120.0, 135.0, 150.0] {
         let honeycomb = made_of(theta, 50.0, 50.0);
-        let elasticity = Elasticity::of(&build::honeycomb(&honeycomb).unwrap()).unwrap();
+        let elasticity =
+            Elasticity::from_framework(&build::honeycomb(&honeycomb).unwrap()).unwrap();
         let s = elasticity.compliance().unwrap();
         let both = honeycomb.both(1.0);
         assert!((1.0 / s[(0, 0)] / both.e_y_gpa - 1.0).abs() < 1e-9);
@@ -123,10 +125,10 @@ fn compliances_add() {
 #[test]
 fn supercells_are_the_same_material() {
     let one = build::honeycomb(&made_of(45.0, 50.0, 10_000.0)).unwrap();
-    let reference = Elasticity::of(&one).unwrap();
+    let reference = Elasticity::from_framework(&one).unwrap();
     // The largest goes through the sparse solver.
     for counts in [[2, 2], [1, 3], [4, 4], [9, 8]] {
-        let elasticity = Elasticity::of(&one.supercell(&counts).unwrap()).unwrap();
+        let elasticity = Elasticity::from_framework(&one.supercell(&counts).unwrap()).unwrap();
         let error =
             (&elasticity.stiffness - &reference.stiffness).amax() / reference.stiffness.amax();
         assert!(error < 1e-9, "{counts:?}: {error:e}");
@@ -141,7 +143,7 @@ fn rotating_polygons_shrink_alike_in_all_directions() {
             build::rotating_triangles(2.0, angle.to_radians(), 1e6, 1.0).unwrap(),
         ];
         for net in nets {
-            let moduli = Moduli::new(&Elasticity::of(&net).unwrap(), 1.0);
+            let moduli = Moduli::new(&Elasticity::from_framework(&net).unwrap(), 1.0);
             for ratio in [
                 moduli.poissons[0][1].unwrap(),
                 moduli.poissons[1][0].unwrap(),
@@ -154,7 +156,7 @@ fn rotating_polygons_shrink_alike_in_all_directions() {
             build::rotating_squares(2.0, angle.to_radians(), 1.0, 0.0).unwrap(),
             build::rotating_triangles(2.0, angle.to_radians(), 1.0, 0.0).unwrap(),
         ] {
-            let elasticity = Elasticity::of(&net).unwrap();
+            let elasticity = Elasticity::from_framework(&net).unwrap();
             assert_eq!(elasticity.mechanisms.len(), 1);
             let strain = &elasticity.mechanisms[0].strain;
             assert!(
@@ -178,7 +180,7 @@ fn rotating_polygons_shrink_alike_in_all_directions() {
 #[test]
 fn rotating_polygons_have_the_published_moduli() {
     let (side, kh) = (2.0, 1.5);
-    let moduli = |net: &Framework| Moduli::new(&Elasticity::of(net).unwrap(), 1.0);
+    let moduli = |net: &Framework| Moduli::new(&Elasticity::from_framework(net).unwrap(), 1.0);
     for turn in [0.1_f64, 0.4, 0.7] {
         let squares = |stiff| build::rotating_squares(side, turn, stiff, kh).unwrap();
         let triangles = |stiff| build::rotating_triangles(side, turn, stiff, kh).unwrap();
@@ -214,7 +216,7 @@ fn rotating_polygons_have_the_published_moduli() {
 #[test]
 fn moduli_off_the_axes_are_those_of_the_turned_network() {
     let net = build::arrowhead(2.0, 0.5, 1.1, 30.0, 2.0).unwrap();
-    let directions = polar(&Elasticity::of(&net).unwrap(), 1.0, 12);
+    let directions = polar(&Elasticity::from_framework(&net).unwrap(), 1.0, 12);
     for direction in directions {
         let (sine, cosine) = (-direction.angle_deg).to_radians().sin_cos();
         let mut turned = net.clone();
@@ -228,7 +230,7 @@ fn moduli_off_the_axes_are_those_of_the_turned_network() {
                 sine * place[0] + cosine * place[1],
             ];
         }
-        let moduli = Moduli::new(&Elasticity::of(&turned).unwrap(), 1.0);
+        let moduli = Moduli::new(&Elasticity::from_framework(&turned).unwrap(), 1.0);
         assert!((moduli.youngs_gpa[0].unwrap() / direction.youngs_gpa.unwrap() - 1.0).abs() < 1e-9);
         assert!(
             (moduli.poissons[0][1].unwrap() - direction.poissons.unwrap()).abs() < 1e-9,
@@ -240,7 +242,7 @@ fn moduli_off_the_axes_are_those_of_the_turned_network() {
 /// A net of squares without hinges shears freely, and yet bears loads along its rods.
 #[test]
 fn a_mechanism_yields_only_to_loads_that_drive_it() {
-    let n = |y: i32, z: i32| Neighbour::there(0, &[y, z]);
+    let n = |y: i32, z: i32| Neighbour::in_image(0, &[y, z]);
     let rod = |to| Rod {
         from: 0,
         to,
@@ -255,7 +257,7 @@ fn a_mechanism_yields_only_to_loads_that_drive_it() {
         hinges: Vec::new(),
         torsions: Vec::new(),
     };
-    let elasticity = Elasticity::of(&net).unwrap();
+    let elasticity = Elasticity::from_framework(&net).unwrap();
     let moduli = Moduli::new(&elasticity, 1.0);
     // k (length along) / (width across), thickness 1.
     assert!(
@@ -340,10 +342,10 @@ fn rests_written_out_change_nothing() {
 #[test]
 fn cubic_nets_have_their_textbook_constants() {
     let (edge, ks) = (3.0, 7.0);
-    let fcc = Elasticity::of(&build::face_centred_cubic(edge, ks).unwrap())
+    let fcc = Elasticity::from_framework(&build::face_centred_cubic(edge, ks).unwrap())
         .unwrap()
         .stiffness;
-    let diamond = Elasticity::of(&build::diamond(edge, ks, 0.0).unwrap()).unwrap();
+    let diamond = Elasticity::from_framework(&build::diamond(edge, ks, 0.0).unwrap()).unwrap();
     for (i, j, of_fcc, of_diamond) in [
         (0, 0, 2.0, 1.0 / 3.0),
         (0, 1, 1.0, 1.0 / 3.0),
@@ -364,7 +366,7 @@ fn cubic_nets_have_their_textbook_constants() {
     assert_eq!(diamond.mechanisms.len(), 5);
     assert!((diamond.clamped_stiffness[(3, 3)] - ks / (3.0 * edge)).abs() < 1e-12 * ks);
     assert!(
-        Elasticity::of(&build::diamond(edge, ks, 1.0).unwrap())
+        Elasticity::from_framework(&build::diamond(edge, ks, 1.0).unwrap())
             .unwrap()
             .mechanisms
             .is_empty()
@@ -386,7 +388,7 @@ fn shaken(framework: &Framework, amount: f64, seed: u64) -> Configuration {
 
 fn tetrahedral_chain() -> Framework {
     let mut net = build::diamond(4.0, 5.0, 2.0).unwrap();
-    let n = |node: usize, image: [i32; 3]| Neighbour::there(node, &image);
+    let n = |node: usize, image: [i32; 3]| Neighbour::in_image(node, &image);
     // Any four nodes in a row, and a straight hinge over a rod and its image.
     net.torsions.push(Torsion {
         along: [
@@ -503,7 +505,10 @@ fn gradients_and_hessians_are_those_of_finite_differences() {
 fn small_loads_stretch_by_the_compliance() {
     let honeycomb = made_of(60.0, 50.0, 200.0);
     let net = build::honeycomb(&honeycomb).unwrap();
-    let s = Elasticity::of(&net).unwrap().compliance().unwrap();
+    let s = Elasticity::from_framework(&net)
+        .unwrap()
+        .compliance()
+        .unwrap();
     for axis in 0..2 {
         for kind in [StressKind::Nominal, StressKind::Cauchy] {
             let load = Load {
@@ -621,7 +626,7 @@ fn minimisation_comes_back() {
         // The rest lengths are those of the network as built, the nodes are elsewhere.
         let energy = NetworkEnergy::new(&net).unwrap();
         for (rod, length) in moved.rods.iter_mut().zip(&net.rods) {
-            let (a, b) = (Neighbour::here(length.from), &length.to);
+            let (a, b) = (Neighbour::in_own_cell(length.from), &length.to);
             let place = |n: &Neighbour| -> Vec<f64> {
                 (0..net.dimension())
                     .map(|i| {
@@ -662,7 +667,7 @@ fn broken_networks_are_refused_with_the_reason() {
     let refuse = |change: &dyn Fn(&mut Framework), reason: &str| {
         let mut bad = good.clone();
         change(&mut bad);
-        let message = Elasticity::of(&bad).unwrap_err().to_string();
+        let message = Elasticity::from_framework(&bad).unwrap_err().to_string();
         assert!(message.contains(reason), "{message}");
     };
     refuse(
@@ -707,18 +712,18 @@ fn a_hundred_thousand_nodes_are_solved_sparsely() {
     let one = build::honeycomb(&made_of(45.0, 50.0, 10_000.0)).unwrap();
     let start = std::time::Instant::now();
     for _ in 0..18 {
-        Elasticity::of(&one).unwrap();
+        Elasticity::from_framework(&one).unwrap();
     }
     eprintln!("18 cells of 4 nodes: {:?}", start.elapsed());
     let start = std::time::Instant::now();
     let large = one.supercell(&[158, 159]).unwrap();
-    let elasticity = Elasticity::of(&large).unwrap();
+    let elasticity = Elasticity::from_framework(&large).unwrap();
     eprintln!(
         "{} nodes: {:?}",
         large.nodes_angstrom.len(),
         start.elapsed()
     );
-    let reference = Elasticity::of(&one).unwrap();
+    let reference = Elasticity::from_framework(&one).unwrap();
     let error = (&elasticity.stiffness - &reference.stiffness).amax() / reference.stiffness.amax();
     assert!(error < 1e-8, "{error:e}");
 }

@@ -7,7 +7,7 @@ use protomer_linkage::framework::{Elasticity, Flexure, Framework, Moduli};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn moduli(network: &Framework) -> Moduli {
-    Moduli::new(&Elasticity::of(network).unwrap(), 1.0)
+    Moduli::new(&Elasticity::from_framework(network).unwrap(), 1.0)
 }
 
 fn bending(stiffness: f64, segments: usize) -> Flexure {
@@ -123,7 +123,7 @@ fn a_missing_rib_foam_without_shear_grows_alike_in_both_directions() {
         cross_kh: 1e7,
     };
     let foam = build::missing_rib(&made_of).unwrap();
-    let elasticity = Elasticity::of(&foam).unwrap();
+    let elasticity = Elasticity::from_framework(&foam).unwrap();
     let c = &elasticity.stiffness;
     near(c[(1, 0)] / c[(0, 0)], -1.0, 1e-4, "ν without shear");
     // Both edges grow by the same part: 2 (C_yy + C_yz) is the curvature of the energy per volume.
@@ -170,7 +170,7 @@ fn stars_with_four_points_follow_two_angles() {
 fn stars_with_six_points_are_isotropic_and_grow_by_one_angle() {
     let (a, rib, kh, angle) = (1.3, 0.7, 2.0, 0.8_f64);
     let network = build::stars(6, a, rib, angle, 1e7, kh).unwrap();
-    let elasticity = Elasticity::of(&network).unwrap();
+    let elasticity = Elasticity::from_framework(&network).unwrap();
     let c = &elasticity.stiffness;
     near(c[(1, 1)], c[(0, 0)], 1e-6, "C_zz");
     near(c[(2, 2)], 0.5 * (c[(0, 0)] - c[(0, 1)]), 1e-6, "C of shear");
@@ -192,7 +192,7 @@ fn stars_with_six_points_are_isotropic_and_grow_by_one_angle() {
 #[test]
 fn alpha_cristobalite_is_tetragonal_and_auxetic_by_its_tetrahedra() {
     let network = build::alpha_cristobalite(1.0, 1e4, 1.0).unwrap();
-    let elasticity = Elasticity::of(&network).unwrap();
+    let elasticity = Elasticity::from_framework(&network).unwrap();
     let c = &elasticity.stiffness;
     let largest = c.amax();
     let same = |a: (usize, usize), b: (usize, usize)| {
@@ -232,7 +232,8 @@ fn alpha_cristobalite_is_tetragonal_and_auxetic_by_its_tetrahedra() {
     assert!(moduli.poissons[2][0].unwrap() < 0.0);
     assert!(elasticity.mechanisms.is_empty());
     // Hinges alone keep it from closing: rigid tetrahedra have two strains that cost nothing.
-    let free = Elasticity::of(&build::alpha_cristobalite(1.0, 1e4, 0.0).unwrap()).unwrap();
+    let free =
+        Elasticity::from_framework(&build::alpha_cristobalite(1.0, 1e4, 0.0).unwrap()).unwrap();
     assert_eq!(free.mechanisms.len(), 2);
 }
 

@@ -33,7 +33,8 @@ fn depart(size: usize, rod_length: f64, kappa: f64, angle: f64, time: f64, step:
     let mut worst = [0.0_f64; 2];
     for _ in 0..(time / step).round() as u64 {
         dynamics.step(&mut state, step).unwrap();
-        let away = Modes::of(&network, &state.positions).checkerboard - orbit.at(state.time)[0];
+        let away = Modes::from_coordinates(&network, &state.positions).checkerboard
+            - orbit.state(state.time)[0];
         worst[0] = worst[0].max(away.abs());
         worst[1] = worst[1].max(orientational_spread(&network, &state.positions));
     }
@@ -95,7 +96,7 @@ fn contact_times_and_velocities_are_those_computed_elsewhere() {
             (orbit.first_contact().unwrap() - contact["t"].as_f64().unwrap()).abs() < 1e-10,
             "{name}"
         );
-        let [angle, rate] = orbit.at(contact["t"].as_f64().unwrap() + 1e-9);
+        let [angle, rate] = orbit.state(contact["t"].as_f64().unwrap() + 1e-9);
         assert!((angle - numbers(&contact["s"])[2]).abs() < 2e-9, "{name}");
         assert!(
             (angle - smallest_angle(rod_length, 1.0).unwrap()).abs() < 2e-9,
@@ -117,7 +118,7 @@ fn contact_times_and_velocities_are_those_computed_elsewhere() {
             )
             .filter(|(time, _)| **time < contact["t"].as_f64().unwrap())
         {
-            let [angle, rate] = orbit.at(*time);
+            let [angle, rate] = orbit.state(*time);
             assert!(
                 (angle - numbers(s)[2]).abs() < 1e-10 && (rate - numbers(v)[2]).abs() < 1e-10,
                 "{name} {time}"

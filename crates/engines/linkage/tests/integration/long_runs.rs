@@ -188,9 +188,9 @@ fn coherent_two_by_two_follows_the_exact_orbit_through_contacts() {
             let mut worst = [0.0_f64; 2];
             for _ in 0..(10.0 / step) as usize {
                 engine.step(&mut state, step).unwrap();
-                let angle = Modes::of(&network, &state.positions).checkerboard;
-                let rate = Modes::of(&network, &state.velocities).checkerboard;
-                worst[0] = worst[0].max((angle - orbit.at(state.time)[0]).abs());
+                let angle = Modes::from_coordinates(&network, &state.positions).checkerboard;
+                let rate = Modes::from_coordinates(&network, &state.velocities).checkerboard;
+                worst[0] = worst[0].max((angle - orbit.state(state.time)[0]).abs());
                 worst[1] = worst[1].max((rate.abs() - orbit.rate_at(angle)).abs());
             }
             assert!(engine.statistics().impacts >= 2);
@@ -201,8 +201,8 @@ fn coherent_two_by_two_follows_the_exact_orbit_through_contacts() {
         first_contact(&mut dynamics, &mut state, 1e-3, 10.0, false)
             .unwrap()
             .unwrap();
-        let contact =
-            Modes::of(&network, &state.positions).checkerboard - smallest_angle(r0, 1.0).unwrap();
+        let contact = Modes::from_coordinates(&network, &state.positions).checkerboard
+            - smallest_angle(r0, 1.0).unwrap();
         for (step, [angle, rate]) in [0.01, 0.005, 0.0025].iter().zip(errors) {
             eprintln!(
                 "r0 = {r0}, step {step}, a time of 10: eq. 29a missed by {angle:.2e}, eq. 29b by {rate:.2e}"

@@ -101,10 +101,12 @@ fn the_energy_of_the_joints_is_that_of_all_neighbours() {
         for column in 0..4 {
             let sign = if (row + column) % 2 == 0 { 1.0 } else { -1.0 };
             if column < 3 {
-                expected += spline.at(sign * (theta(row, column) - theta(row, column + 1)))[0];
+                expected +=
+                    spline.evaluate(sign * (theta(row, column) - theta(row, column + 1)))[0];
             }
             if row < 3 {
-                expected += spline.at(sign * (theta(row, column) - theta(row + 1, column)))[0];
+                expected +=
+                    spline.evaluate(sign * (theta(row, column) - theta(row + 1, column)))[0];
             }
         }
     }
@@ -248,7 +250,7 @@ fn a_heat_bath_samples_the_angle_potential() {
             let (a, b) = (FRAC_PI_4 + opening - rod, 3.0 * FRAC_PI_4 - rod);
             share += (2.0 + 3.0 * (a.sin().powi(2) + b.sin().powi(2))).sqrt();
         }
-        let weight = share * (-spline.at(opening)[0] / kt).exp();
+        let weight = share * (-spline.evaluate(opening)[0] / kt).exp();
         norm += weight;
         first_moment += weight * opening;
         second_moment += weight * opening * opening;

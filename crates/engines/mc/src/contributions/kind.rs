@@ -39,7 +39,7 @@ impl ResiduesOfKind {
     /// The residues of a body with the charges of its type, which may be effective ones; a charge
     /// belongs to the residue of the nearest atom. `None` for a body without residues.
     pub fn new(body: &Body, kind: &BodyType) -> Option<Self> {
-        let places = ResiduePlaces::of(body);
+        let places = ResiduePlaces::from_body(body);
         let mut charges = OwnedCharges::default();
         for (place, charge_e) in kind.charges.iter() {
             let residue = places.nearest(&place)?;

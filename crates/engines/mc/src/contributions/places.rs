@@ -20,7 +20,7 @@ pub struct ResiduePlaces {
 
 impl ResiduePlaces {
     /// The places of a body.
-    pub fn of(body: &Body) -> Self {
+    pub fn from_body(body: &Body) -> Self {
         let mut atoms = Vec::with_capacity(body.sites.len());
         for site in &body.sites {
             if let Some(residue) = site.residue {
@@ -99,7 +99,8 @@ mod tests {
     #[test]
     fn a_place_belongs_to_the_residue_of_the_nearest_atom() {
         let mut body = body_of(&[("LYS", 0.0, 1.0), ("GLU", 10.0, -1.0)]);
-        let at = |body: &Body, x: f64| ResiduePlaces::of(body).nearest(&Vec3::new(x, 3.0, 0.0));
+        let at =
+            |body: &Body, x: f64| ResiduePlaces::from_body(body).nearest(&Vec3::new(x, 3.0, 0.0));
         assert_eq!(
             [-20.0, 4.9, 5.1, 30.0].map(|x| at(&body, x)),
             [0, 0, 1, 1].map(Some)

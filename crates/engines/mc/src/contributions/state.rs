@@ -111,7 +111,7 @@ impl Contributions {
     }
 
     /// The contributions in a state of the system.
-    pub fn of(&self, system: &System) -> StateEnergies {
+    pub fn evaluate(&self, system: &System) -> StateEnergies {
         let mut state = self.nothing(system);
         for first in 0..system.len() {
             for second in first + 1..system.len() {
@@ -233,7 +233,7 @@ impl Contributions {
     ) {
         let places = [&self.kinds[first].places, &self.kinds[second].places];
         let columns = places[1].len();
-        for term in &terms.of((first, second)).0 {
+        for term in &terms.terms((first, second)).0 {
             let kind = term.term();
             if matches!(kind, Term::Desolvation | Term::SolventResponse) {
                 term.shares(relative, &mut |body, place, energy_kt| {
@@ -333,7 +333,7 @@ impl PairContribution {
 impl ResiduePairs {
     /// The contribution of a pair, by the residues of the first and the second kind; of one kind, in
     /// either order.
-    pub fn at(&self, first: usize, second: usize) -> &PairContribution {
+    pub fn pair(&self, first: usize, second: usize) -> &PairContribution {
         let is_one_kind = self.kinds.0 == self.kinds.1;
         let (row, column) = match is_one_kind && second < first {
             true => (second, first),

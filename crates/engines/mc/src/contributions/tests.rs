@@ -127,7 +127,7 @@ impl Case {
 fn contributions_add_up_to_the_energy_of_the_engine() {
     for (seed, edge) in [(1, 60.0), (2, 90.0), (3, 60.0)] {
         let case = case(seed, edge);
-        let state = case.contributions(5.0).of(&case.system);
+        let state = case.contributions(5.0).evaluate(&case.system);
         let charges = Box::new(DirectSum::new(case.yukawa));
         let mut model = WithTerms::new(charges, case.terms.clone());
         model.reset(&case.system).unwrap();
@@ -152,7 +152,7 @@ fn pairs_of_residues_are_those_of_the_double_loop() {
     const TOUCH: f64 = 7.0;
     // A box so large that one image of each body counts.
     let case = case(4, 400.0);
-    let state = case.contributions(TOUCH).of(&case.system);
+    let state = case.contributions(TOUCH).evaluate(&case.system);
     let atoms_at = |copy: usize| {
         let (body, pose) = (
             &case.bodies[case.system.type_index(copy)],
@@ -201,11 +201,11 @@ fn pairs_of_residues_are_those_of_the_double_loop() {
                     }
                 }
                 let is_one_kind = pairs.kinds.0 == pairs.kinds.1;
-                let pair = pairs.at(a, b);
+                let pair = pairs.pair(a, b);
                 assert!((pair.charges_kt - energy).abs() < 1e-11, "{a} {b}");
                 assert_eq!(pair.touching, touching, "{:?} {a} {b}", pairs.kinds);
                 if is_one_kind {
-                    assert_eq!(pair, pairs.at(b, a));
+                    assert_eq!(pair, pairs.pair(b, a));
                 }
             }
         }
@@ -245,12 +245,12 @@ fn two_point_charges_have_the_energy_of_the_formula() {
         .map(|(body, kind)| ResiduesOfKind::new(body, kind).unwrap())
         .collect();
     let contributions = Contributions::new(&system, kinds, yukawa, None, 5.0);
-    let state = contributions.of(&system);
+    let state = contributions.evaluate(&system);
     let expected = -6.0 * 7.0 * (-1.0_f64).exp() / 10.0;
     assert!((state.parts.charges_kt - expected).abs() < 1e-14);
     // 4 Å and 8 Å: the uncharged residues touch, the charged ones do not.
-    assert_eq!(state.pairs[1].at(1, 1).touching, 1.0);
-    assert_eq!(state.pairs[1].at(0, 0).touching, 0.0);
+    assert_eq!(state.pairs[1].pair(1, 1).touching, 1.0);
+    assert_eq!(state.pairs[1].pair(0, 0).touching, 0.0);
     assert!((state.outside_kt - expected).abs() < 1e-14);
     assert!((state.residues[1][0].parts.charges_kt - expected).abs() < 1e-14);
     // One charge more on the first residue: the potential of the other body.
@@ -315,7 +315,7 @@ fn means_are_those_of_the_frames_and_errors_those_of_blocks() {
                 pose.position += rng.vector_in_ball(2.0) + Vec3::x() * f64::from(block);
             }
             let displaced_system = case.system.with_poses(&poses);
-            let state = contributions.of(&displaced_system);
+            let state = contributions.evaluate(&displaced_system);
             energies.push(state.parts.total_kt());
             averages.push(&state, &displaced_system);
         }

@@ -123,7 +123,7 @@ impl DesolvationBody {
 
     /// Desolvation energy due to one volume element, kT; `None` beyond the table.
     fn lost_to_element(&self, element: &VolumeElement, pose: &RelativePose) -> Option<f64> {
-        let field = self.field.at(&pose.transform_point(&element.place))?;
+        let field = self.field.value_at(&pose.transform_point(&element.place))?;
         let dielectric = element.dielectric * field.square_of_gradient;
         Some(dielectric + element.ionic * field.square_of_potential)
     }

@@ -56,7 +56,7 @@ impl FieldTable {
     }
 
     /// The field at a place in the body's frame, interpolated linearly; `None` beyond the table.
-    pub fn at(&self, place: &Vec3) -> Option<Field> {
+    pub fn value_at(&self, place: &Vec3) -> Option<Field> {
         let mut cell = [0; 3];
         let mut fraction = [0.0_f32; 3];
         for axis in 0..3 {
@@ -127,7 +127,7 @@ mod tests {
         let listed: Vec<(Vec3, f64)> = charges.iter().collect();
         for place in [Vec3::new(9.3, -4.1, 2.2), Vec3::new(-3.0, 14.4, -7.7)] {
             let [x, y, z, potential] = field_of(&listed, &yukawa, &place).map(f64::from);
-            let found = table.at(&place).unwrap();
+            let found = table.value_at(&place).unwrap();
             let square = x * x + y * y + z * z;
             assert!((found.square_of_gradient / square - 1.0).abs() < 0.02);
             assert!((found.square_of_potential / (potential * potential) - 1.0).abs() < 0.02);
@@ -139,6 +139,6 @@ mod tests {
             let slope = (along(0.05) - along(-0.05)) / 0.1;
             assert!((slope / x - 1.0).abs() < 1e-2, "{slope} {x}");
         }
-        assert!(table.at(&Vec3::new(28.5, 0.0, 0.0)).is_none());
+        assert!(table.value_at(&Vec3::new(28.5, 0.0, 0.0)).is_none());
     }
 }

@@ -46,7 +46,7 @@ impl FarEnergies {
     /// The most that bodies of these types can hold at this distance, kT; infinite where nothing is
     /// known.
     #[inline]
-    pub fn at(&self, (first, second): (usize, usize), distance_angstrom: f64) -> f64 {
+    pub fn energy(&self, (first, second): (usize, usize), distance_angstrom: f64) -> f64 {
         let energies = &self.by_types[first * self.types + second];
         let step = (distance_angstrom / Self::STEP_ANGSTROM) as usize;
         energies

@@ -47,7 +47,7 @@ impl TermsByType {
     }
 
     /// The terms of a pair of types.
-    pub fn of(&self, (first, second): (usize, usize)) -> &Terms {
+    pub fn terms(&self, (first, second): (usize, usize)) -> &Terms {
         &self.by_types[first * self.types + second]
     }
 
@@ -59,7 +59,7 @@ impl TermsByType {
         for first in 0..system.len() {
             for second in first + 1..system.len() {
                 let pair = system.pair(first, second);
-                let terms = self.of(pair.type_indices());
+                let terms = self.terms(pair.type_indices());
                 let mut parts = None;
                 // Image by image, as decisions sum them.
                 for displacement in reach.images(&pair) {
@@ -112,7 +112,7 @@ impl WithTerms {
 
     /// The terms of a pair over all images in reach, kT; `None` if there is none.
     fn energy_kt(&self, pair: &Pair<'_>) -> Result<Option<f64>> {
-        let terms = self.terms.of(pair.type_indices());
+        let terms = self.terms.terms(pair.type_indices());
         let mut energy_kt = None;
         for displacement in self.reach.images(pair) {
             let image = terms.energy_kt(&pair.relative_image(&displacement));

@@ -61,7 +61,7 @@ impl HalfTurn {
             Boundary::Open => {
                 let direction = rng.unit_vector();
                 Self {
-                    point: origin + beside(&direction, reach_angstrom, rng),
+                    point: origin + perpendicular(&direction, reach_angstrom, rng),
                     direction,
                 }
             }
@@ -70,7 +70,7 @@ impl HalfTurn {
                 direction[rng.index(3)] = 1.0;
                 // One time in two near the seed, where bodies meet; else anywhere.
                 let point = if rng.uniform() < 0.5 {
-                    origin + beside(&direction, reach_angstrom, rng)
+                    origin + perpendicular(&direction, reach_angstrom, rng)
                 } else {
                     lengths_angstrom.map(|length| length * rng.uniform_in(-0.5, 0.5))
                 };
@@ -98,7 +98,7 @@ impl HalfTurn {
 }
 
 /// A vector perpendicular to `direction`, with length uniform in 0..reach.
-fn beside(direction: &Vec3, reach: f64, rng: &mut CounterRng) -> Vec3 {
+fn perpendicular(direction: &Vec3, reach: f64, rng: &mut CounterRng) -> Vec3 {
     let length = reach * rng.uniform();
     loop {
         let perpendicular = rng.unit_vector().cross(direction);

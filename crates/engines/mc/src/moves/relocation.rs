@@ -24,7 +24,7 @@ const BESIDE: f64 = 0.5;
 pub fn propose(system: &System, gap_angstrom: f64, rng: &mut CounterRng) -> Option<Proposal> {
     let body = rng.index(system.len());
     let target = another(body, system.len(), rng);
-    let shell = Shell::of(system, body, target, gap_angstrom)?;
+    let shell = Shell::from_bodies(system, body, target, gap_angstrom)?;
     let centre = system.pose(target).position;
     let position = match rng.uniform() < shell.probability() {
         true => centre + shell.random(rng),
@@ -55,7 +55,7 @@ struct Shell {
 
 impl Shell {
     /// The shell of a body next to its target; `None` in a space without a volume.
-    fn of(system: &System, body: usize, target: usize, gap_angstrom: f64) -> Option<Self> {
+    fn from_bodies(system: &System, body: usize, target: usize, gap_angstrom: f64) -> Option<Self> {
         let kinds = [body, target].map(|body| system.body_type(body));
         let least = kinds.map(|kind| kind.least_radius_angstrom);
         let largest = kinds.map(|kind| kind.hard_radius_angstrom());

@@ -22,7 +22,7 @@ const PRECISION_ANGSTROM: f64 = 1e-3;
 pub fn contact_distance_angstrom(pair: &BodyPair, orientation: &Orientation) -> f64 {
     let (first, second) = (&pair.first.shape, &pair.second.shape);
     let step_angstrom = |distance: f64| {
-        let pose = orientation.at(distance);
+        let pose = orientation.relative_pose(distance);
         match pair.core {
             Core::Surfaces => separation_bound(first, second, &pose, CEILING_ANGSTROM),
             Core::Energy => (!pair.excludes(&pose)).then_some(SOFT_STEP_ANGSTROM),
@@ -43,7 +43,7 @@ pub fn contact_distance_angstrom(pair: &BodyPair, orientation: &Orientation) -> 
     // The bracket: no contact at `apart`, overlap at `touching`.
     while apart - touching > PRECISION_ANGSTROM {
         let middle = 0.5 * (apart + touching);
-        match pair.excludes(&orientation.at(middle)) {
+        match pair.excludes(&orientation.relative_pose(middle)) {
             true => touching = middle,
             false => apart = middle,
         }
@@ -87,7 +87,7 @@ mod tests {
             while !overlaps(
                 &pair.first.shape,
                 &pair.second.shape,
-                &orientation.at(scanned),
+                &orientation.relative_pose(scanned),
             ) {
                 scanned -= 0.001;
             }

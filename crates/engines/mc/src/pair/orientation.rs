@@ -18,14 +18,14 @@ pub struct Orientation {
 
 impl Orientation {
     /// The pose of the second body in the frame of the first at a distance of the origins, Å.
-    pub fn at(&self, distance_angstrom: f64) -> RelativePose {
+    pub fn relative_pose(&self, distance_angstrom: f64) -> RelativePose {
         RelativePose {
             rotation: self.rotation.to_rotation_matrix().into_inner(),
             translation: distance_angstrom * self.direction,
         }
     }
 
-    /// Pose of the second body in the frame of the first, as [`at`](Self::at) gives it.
+    /// Pose of the second body in the frame of the first, as [`relative_pose`](Self::relative_pose) gives it.
     pub fn pose(&self, distance_angstrom: f64) -> Pose {
         Pose {
             position: distance_angstrom * self.direction,

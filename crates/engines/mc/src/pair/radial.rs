@@ -46,7 +46,7 @@ impl RaySample {
         // Everything up to contact counts as overlap here; openings are added below.
         let contact = contact_distance_angstrom(pair, &orientation);
         let point = |distance: f64, volume: f64| {
-            let pose = orientation.at(distance);
+            let pose = orientation.relative_pose(distance);
             RadialPoint {
                 distance_angstrom: distance,
                 volume_angstrom3: volume,
@@ -67,7 +67,7 @@ impl RaySample {
         // Inside contact: concave bodies may interlock where they do not overlap.
         let mut openings = Vec::new();
         for [distance, volume] in inward_points(contact, rng) {
-            let pose = orientation.at(distance);
+            let pose = orientation.relative_pose(distance);
             if !pair.excludes(&pose) {
                 openings.push(point(distance, volume));
             }
@@ -109,7 +109,7 @@ pub fn hard_ray(pair: &BodyPair, orientation: &Orientation, rng: &mut CounterRng
     let contact = contact_distance_angstrom(pair, orientation);
     let mut open = 0.0;
     for [distance, volume] in inward_points(contact, rng) {
-        let pose = orientation.at(distance);
+        let pose = orientation.relative_pose(distance);
         if !pair.excludes(&pose) {
             open += volume;
         }

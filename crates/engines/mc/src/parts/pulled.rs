@@ -75,7 +75,7 @@ impl Pulled<'_> {
         self.part.bodies.len() - 1
     }
 
-    fn to(&self) -> usize {
+    fn partner(&self) -> usize {
         self.part.attached_to[self.last()]
     }
 
@@ -88,7 +88,7 @@ impl Pulled<'_> {
     /// Whether the last body overlaps no other at a place next to a configuration of them.
     pub fn is_free(&self, place: &Vector6<f64>, rng: &mut CounterRng) -> bool {
         let before = &self.before[rng.index(self.before.len())];
-        let pose = self.region.pose(place).then(&before.poses[self.to()]);
+        let pose = self.region.pose(place).then(&before.poses[self.partner()]);
         !self.whole.overlaps(&before.poses, self.last(), &pose)
     }
 
@@ -174,7 +174,7 @@ impl Pulled<'_> {
             for _ in 0..TRIES {
                 let before = &self.before[rng.index(self.before.len())];
                 let place = region.draw(rng);
-                let pose = region.pose(&place).then(&before.poses[self.to()]);
+                let pose = region.pose(&place).then(&before.poses[self.partner()]);
                 let displacement_angstrom = region.square_displacement(&place).sqrt();
                 if displacement_angstrom < least_angstrom {
                     continue;
@@ -234,7 +234,7 @@ impl Pulled<'_> {
         if kind != 0 {
             pose.rotation = turn * pose.rotation;
         }
-        let (last, to) = (self.last(), self.to());
+        let (last, to) = (self.last(), self.partner());
         let displacement_angstrom = if body == last {
             self.displacement_angstrom(&pose, &configuration.poses[to])
         } else if body == to {

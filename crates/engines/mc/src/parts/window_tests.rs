@@ -52,7 +52,7 @@ impl BodyEnergies for Wells<'_> {
     }
 }
 
-fn by(windows: Option<WindowSettings>) -> GrowthSettings {
+fn settings(windows: Option<WindowSettings>) -> GrowthSettings {
     GrowthSettings {
         live_states: 100,
         runs: 6,
@@ -62,7 +62,7 @@ fn by(windows: Option<WindowSettings>) -> GrowthSettings {
 }
 
 fn windows() -> GrowthSettings {
-    by(Some(WindowSettings {
+    settings(Some(WindowSettings {
         windows: 20,
         sweeps: 6000,
     }))
@@ -140,7 +140,7 @@ fn windows_of_a_chain_and_of_rings_have_the_integrals_of_growth() {
             arrangement: &ring,
             depth_kt: DEPTH_KT,
         };
-        let grown = partitions(&wells, &by(None)).unwrap();
+        let grown = partitions(&wells, &settings(None)).unwrap();
         let pulled = partitions(&wells, &windows()).unwrap();
         for (a, b) in grown.iter().zip(&pulled).skip(1) {
             let error = a.ln_partition_error.hypot(b.ln_partition_error);
@@ -161,7 +161,7 @@ fn windows_that_have_nothing_in_common_are_refused() {
         arrangement: &pair,
         depth_kt: 300.0,
     };
-    let few = by(Some(WindowSettings {
+    let few = settings(Some(WindowSettings {
         windows: 4,
         sweeps: 200,
     }));
@@ -175,7 +175,7 @@ fn windows_that_have_nothing_in_common_are_refused() {
 #[test]
 fn settings_of_windows_out_of_range_are_refused() {
     for (windows, sweeps) in [(3, 2000), (500, 2000), (20, 10)] {
-        let settings = by(Some(WindowSettings { windows, sweeps }));
+        let settings = settings(Some(WindowSettings { windows, sweeps }));
         assert!(matches!(settings.check(), Err(McError::BadSetting { .. })));
     }
 }

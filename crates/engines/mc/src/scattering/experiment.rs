@@ -4,7 +4,7 @@ use super::capacity::{Patches, capacity_angstrom};
 use super::clusters::{Cluster, clusters};
 use super::directions::Directions;
 use super::scatterers::{Distances, Scatterers};
-use super::structure_factor::{at, open};
+use super::structure_factor::{evaluate, open};
 use super::wave_vectors::{Shell, shells};
 use crate::observables::contacts;
 use crate::{McError, Result, System};
@@ -240,7 +240,7 @@ impl Experiment {
             let share = 1.0 / shell.vectors.len() as f64;
             let (mut s, mut i) = (0.0, 0.0);
             for vector in &shell.vectors {
-                s += share * at(&positions, vector);
+                s += share * evaluate(&positions, vector);
                 i += share * self.amplitude(system, vector).norm_sqr();
             }
             structure_factor.push(s);

@@ -31,12 +31,12 @@ pub fn open(positions_angstrom: &[Vec3], q_per_angstrom: f64) -> f64 {
 ///
 /// ```
 /// use protomer_kernel::Vec3;
-/// use protomer_mc::scattering::structure_factor::at;
+/// use protomer_mc::scattering::structure_factor::evaluate;
 /// let row: Vec<Vec3> = (0..4).map(|i| Vec3::new(10.0 * f64::from(i), 0.0, 0.0)).collect();
-/// let [in_step, against] = [0.2, 0.1].map(|q| at(&row, &Vec3::new(q * std::f64::consts::PI, 0.0, 0.0)));
+/// let [in_step, against] = [0.2, 0.1].map(|q| evaluate(&row, &Vec3::new(q * std::f64::consts::PI, 0.0, 0.0)));
 /// assert!((in_step - 4.0).abs() < 1e-12 && against.abs() < 1e-12);
 /// ```
-pub fn at(positions_angstrom: &[Vec3], wave_vector: &Vec3) -> f64 {
+pub fn evaluate(positions_angstrom: &[Vec3], wave_vector: &Vec3) -> f64 {
     let (mut real, mut imaginary) = (0.0, 0.0);
     for position in positions_angstrom {
         let (sine, cosine) = wave_vector.dot(position).sin_cos();

@@ -104,7 +104,7 @@ fn sample(system: &System, model: &dyn Fn() -> Box<dyn EnergyModel>, seed: u64) 
             .zip(sums)
             .for_each(|(samples, sum)| samples.push(sum / SWEEPS as f64));
     }
-    samples.map(|samples| Estimate::of(&samples))
+    samples.map(|samples| Estimate::from_samples(&samples))
 }
 
 fn tables(system: &System) -> Vec<Arc<Table>> {

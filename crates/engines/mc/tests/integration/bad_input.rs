@@ -8,7 +8,7 @@ use protomer_kernel::{Boundary, KernelError, Pose, Rotation, Vec3};
 use protomer_mc::{BodyType, Interaction, McError, Settings, Simulation, System};
 use std::sync::Arc;
 
-fn at(x: f64) -> Pose {
+fn on_axis(x: f64) -> Pose {
     Pose {
         position: Vec3::new(x, 0.0, 0.0),
         rotation: Rotation::identity(),
@@ -23,7 +23,7 @@ fn body(charges: &[(Vec3, f64)]) -> Arc<BodyType> {
 fn an_overlapping_start_lists_its_pairs() {
     let system = System::new(
         vec![body(&[])],
-        &[(0, at(0.0)), (0, at(30.0)), (0, at(4.0))],
+        &[(0, on_axis(0.0)), (0, on_axis(30.0)), (0, on_axis(4.0))],
         Boundary::Open,
     )
     .unwrap();
@@ -45,7 +45,12 @@ fn a_body_within_another_overlaps() {
         body(&[]),
         Arc::new(BodyType::new("small", &icosphere(1.0, 1), &[]).unwrap()),
     ];
-    let system = System::new(kinds, &[(0, at(0.0)), (1, at(0.5))], Boundary::Open).unwrap();
+    let system = System::new(
+        kinds,
+        &[(0, on_axis(0.0)), (1, on_axis(0.5))],
+        Boundary::Open,
+    )
+    .unwrap();
     assert!(Simulation::new(system, Settings::new(Interaction::HardOnly), 1, 0).is_err());
 }
 
@@ -53,7 +58,12 @@ fn a_body_within_another_overlaps() {
 fn a_box_too_small_for_the_interactions_names_the_box_needed() {
     let boundary = Boundary::periodic(Vec3::repeat(100.0)).unwrap();
     let charged = body(&[(Vec3::new(1.0, 0.0, 0.0), 1.0)]);
-    let system = System::new(vec![charged], &[(0, at(-20.0)), (0, at(20.0))], boundary).unwrap();
+    let system = System::new(
+        vec![charged],
+        &[(0, on_axis(-20.0)), (0, on_axis(20.0))],
+        boundary,
+    )
+    .unwrap();
     let yukawa = Interaction::YukawaDirect(Yukawa::new(7.0, 0.1, 60.0).unwrap());
     let error = Simulation::new(system, Settings::new(yukawa), 1, 0)
         .err()
@@ -78,14 +88,14 @@ fn a_kind_without_a_body_needs_no_room() {
         let system = System::new(types, bodies, boundary).unwrap();
         Simulation::new(system, Settings::new(yukawa), 1, 0)
     };
-    assert!(start(&[(0, at(-20.0)), (0, at(20.0))]).is_ok());
-    assert!(start(&[(0, at(-20.0)), (1, at(20.0))]).is_err());
+    assert!(start(&[(0, on_axis(-20.0)), (0, on_axis(20.0))]).is_ok());
+    assert!(start(&[(0, on_axis(-20.0)), (1, on_axis(20.0))]).is_err());
 }
 
 #[test]
 fn the_energy_of_nothing_is_zero_without_a_sign() {
     use protomer_mc::energy::{DirectSum, EnergyModel};
-    let system = System::new(vec![body(&[])], &[(0, at(0.0))], Boundary::Open).unwrap();
+    let system = System::new(vec![body(&[])], &[(0, on_axis(0.0))], Boundary::Open).unwrap();
     let mut model = DirectSum::new(Yukawa::new(7.0, 0.1, 40.0).unwrap());
     model.reset(&system).unwrap();
     assert_eq!(format!("{:.6}", model.total_kt(&system)), "0.000000");
@@ -99,7 +109,7 @@ fn charges_on_top_of_each_other_are_named() {
     ]);
     let system = System::new(
         vec![reaching_out],
-        &[(0, at(0.0)), (0, at(12.0))],
+        &[(0, on_axis(0.0)), (0, on_axis(12.0))],
         Boundary::Open,
     )
     .unwrap();
@@ -123,12 +133,12 @@ fn charges_on_top_of_each_other_are_named() {
 #[test]
 fn systems_and_settings_that_contradict_themselves_are_refused() {
     assert!(System::new(vec![body(&[])], &[], Boundary::Open).is_err());
-    assert!(System::new(vec![body(&[])], &[(1, at(0.0))], Boundary::Open).is_err());
-    assert!(System::new(vec![body(&[])], &[(0, at(f64::NAN))], Boundary::Open).is_err());
+    assert!(System::new(vec![body(&[])], &[(1, on_axis(0.0))], Boundary::Open).is_err());
+    assert!(System::new(vec![body(&[])], &[(0, on_axis(f64::NAN))], Boundary::Open).is_err());
     let wall = Boundary::SphereWall {
         radius_angstrom: 10.0,
     };
-    assert!(System::new(vec![body(&[])], &[(0, at(11.0))], wall).is_err());
+    assert!(System::new(vec![body(&[])], &[(0, on_axis(11.0))], wall).is_err());
     let good = Settings::new(Interaction::HardOnly);
     for settings in [
         Settings {
@@ -156,7 +166,7 @@ fn systems_and_settings_that_contradict_themselves_are_refused() {
             ..good
         },
     ] {
-        let system = System::new(vec![body(&[])], &[(0, at(0.0))], Boundary::Open).unwrap();
+        let system = System::new(vec![body(&[])], &[(0, on_axis(0.0))], Boundary::Open).unwrap();
         assert!(matches!(
             Simulation::new(system, settings, 1, 0),
             Err(McError::BadSetting { .. })

@@ -5,7 +5,7 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Rotation, TriangleMesh, Vec3};
 use protomer_mc::scattering::experiment::{Experiment, Settings};
 use protomer_mc::scattering::scatterers::Scatterers;
-use protomer_mc::scattering::structure_factor::{at, open};
+use protomer_mc::scattering::structure_factor::{evaluate, open};
 use protomer_mc::scattering::wave_vectors::shells;
 use protomer_mc::{BodyType, System};
 use std::f64::consts::{LN_2, TAU};
@@ -93,7 +93,7 @@ fn an_ideal_gas_has_a_structure_factor_of_one() {
             let mean: f64 = shell
                 .vectors
                 .iter()
-                .map(|vector| at(&gas, vector))
+                .map(|vector| evaluate(&gas, vector))
                 .sum::<f64>()
                 / shell.vectors.len() as f64;
             *sum = (sum.0 + mean, sum.1 + mean * mean);
@@ -200,7 +200,10 @@ fn a_lattice_has_bragg_peaks_and_nothing_else() {
             let waves = vector * (50.0 / TAU);
             let is_peak = (waves - waves.map(f64::round)).norm() < 1e-9;
             let expected = if is_peak { places.len() as f64 } else { 0.0 };
-            assert!((at(&places, vector) - expected).abs() < 1e-9, "{waves}");
+            assert!(
+                (evaluate(&places, vector) - expected).abs() < 1e-9,
+                "{waves}"
+            );
             peaks += usize::from(is_peak);
         }
     }

@@ -191,7 +191,7 @@ fn two_bodies_in_a_box_are_in_contact_as_the_association_constant_says() {
         }
         shares.push(bound as f64 / f64::from(samples));
     }
-    let Estimate { mean, error } = Estimate::of(&shares);
+    let Estimate { mean, error } = Estimate::from_samples(&shares);
     let of_pair =
         expected * found.association_volume_error_angstrom3 / found.association_volume_angstrom3;
     let allowed = 3.0 * error.hypot(of_pair);

@@ -35,7 +35,7 @@ const TOUCHING: f64 = 1e-6;
 /// ```
 /// use protomer_kernel::shape::{builders, polytope::Polytope};
 /// use protomer_md::body::Kind;
-/// let cube = Kind::of(&Polytope::of(&builders::by_name("cube")?)?)?;
+/// let cube = Kind::from_polytope(&Polytope::from_shape(&builders::by_name("cube")?)?)?;
 /// assert!((cube.mass - 1.0).abs() < 1e-12);
 /// assert!((cube.moments.x - 1.0 / 6.0).abs() < 1e-12);
 /// let disk = Kind::ball(2, 0.5)?;
@@ -62,26 +62,26 @@ impl Kind {
     /// ```
     /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
     /// use protomer_md::body::Kind;
-    /// let cuboid = Kind::of(&Polytope::of(&by_name("cuboid:1,2,3")?)?)?;
+    /// let cuboid = Kind::from_polytope(&Polytope::from_shape(&by_name("cuboid:1,2,3")?)?)?;
     /// assert!((cuboid.mass - 6.0).abs() < 1e-12 && cuboid.turns() == 3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
     /// [`Error::NoVolume`] for a shape without area or volume.
-    pub fn of(polytope: &Polytope) -> Result<Self> {
+    pub fn from_polytope(polytope: &Polytope) -> Result<Self> {
         Self::rounded(polytope, 0.0)
     }
 
     /// A polygon or a polyhedron with a layer: its Minkowski sum with a disk or a ball.
     ///
     /// # Errors
-    /// As [`Kind::of`], and [`Error::OutOfRange`] for a negative radius.
+    /// As [`Kind::from_polytope`], and [`Error::OutOfRange`] for a negative radius.
     ///
     /// ```
     /// use protomer_kernel::shape::{builders, polytope::Polytope};
     /// use protomer_md::body::Kind;
-    /// let cube = Polytope::of(&builders::by_name("cube")?)?;
+    /// let cube = Polytope::from_shape(&builders::by_name("cube")?)?;
     /// let rounded = Kind::rounded(&cube, 0.1)?;
     /// let expected = 1.0 + 0.6 + 0.03 * std::f64::consts::PI * (1.0 + 0.4 / 9.0);
     /// assert!((rounded.mass - expected).abs() < 1e-12);
@@ -98,7 +98,7 @@ impl Kind {
     /// use protomer_kernel::Vec3;
     /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
     /// use protomer_md::body::Kind;
-    /// let cube = Polytope::of(&by_name("cube")?)?;
+    /// let cube = Polytope::from_shape(&by_name("cube")?)?;
     /// let domino = Kind::union(&[(cube.clone(), Vec3::zeros()), (cube.clone(), Vec3::x())], 0.0)?;
     /// assert!((domino.mass - 2.0).abs() < 1e-12);
     /// let overlapping = [(cube.clone(), Vec3::zeros()), (cube, 0.5 * Vec3::x())];
@@ -128,7 +128,7 @@ impl Kind {
         let mut total: Option<Moments> = None;
         for (polytope, place) in parts {
             // Seen from the origin of the union: the part is at `place`.
-            let part_moments = Moments::of(polytope, radius).seen_from(&-place);
+            let part_moments = Moments::from_polytope(polytope, radius).seen_from(&-place);
             match &mut total {
                 Some(total) => total.add(&part_moments),
                 None => total = Some(part_moments),
@@ -370,7 +370,7 @@ fn about_layer(polytope: &Polytope, place: Vec3, radius: f64, parts: usize) -> (
     if radius == 0.0 || parts > 1 {
         return (polytope.clone(), place);
     }
-    let centroid = Moments::of(polytope, radius).centroid();
+    let centroid = Moments::from_polytope(polytope, radius).centroid();
     let mut centred = polytope.clone();
     for corner in &mut centred.corners {
         *corner -= centroid;
@@ -420,7 +420,7 @@ mod tests {
     use protomer_kernel::shape::builders::by_name;
 
     fn kind(name: &str) -> Kind {
-        Kind::of(&Polytope::of(&by_name(name).unwrap()).unwrap()).unwrap()
+        Kind::from_polytope(&Polytope::from_shape(&by_name(name).unwrap()).unwrap()).unwrap()
     }
 
     #[test]
@@ -453,14 +453,14 @@ mod tests {
             .iter()
             .map(|x| turn * x)
             .collect();
-        let turned = Polytope::of(&Shape::solid(&points).unwrap()).unwrap();
-        let turned = Kind::of(&turned).unwrap();
+        let turned = Polytope::from_shape(&Shape::solid(&points).unwrap()).unwrap();
+        let turned = Kind::from_polytope(&turned).unwrap();
         let mut moments: Vec<f64> = turned.moments.iter().copied().collect();
         moments.sort_by(f64::total_cmp);
         for (found, expected) in moments.iter().zip([2.5, 5.0, 6.5]) {
             assert!((found - expected).abs() < 1e-11, "{moments:?}");
         }
-        let inertia = Moments::of(&turned.parts[0].polytope, 0.0).inertia();
+        let inertia = Moments::from_polytope(&turned.parts[0].polytope, 0.0).inertia();
         assert!((inertia - Matrix3::from_diagonal(&turned.moments)).norm() < 1e-11);
         assert!(Kind::ball(3, 0.0).is_err());
     }
@@ -504,8 +504,8 @@ mod tests {
             "truncated-tetrahedron:0.4",
         ] {
             let shape = by_name(name).unwrap();
-            let kind = Kind::rounded(&Polytope::of(&shape).unwrap(), 0.2).unwrap();
-            let expected = Measures::of(&shape, 0.2).unwrap().volume;
+            let kind = Kind::rounded(&Polytope::from_shape(&shape).unwrap(), 0.2).unwrap();
+            let expected = Measures::from_shape(&shape, 0.2).unwrap().volume;
             assert!((kind.mass / expected - 1.0).abs() < 1e-12, "{name}");
         }
         // Bodies whose centroid moves when they are rounded.
@@ -518,7 +518,7 @@ mod tests {
         ];
         let wedge = Shape::solid(&wedge.map(Vec3::from)).unwrap();
         for shape in [trapezium, wedge] {
-            let kind = Kind::rounded(&Polytope::of(&shape).unwrap(), 0.3).unwrap();
+            let kind = Kind::rounded(&Polytope::from_shape(&shape).unwrap(), 0.3).unwrap();
             let (volume, first, second) = sampled(&kind, 200_000);
             assert!(
                 (volume / kind.mass - 1.0).abs() < 0.03,
@@ -548,7 +548,7 @@ mod tests {
                 [x + 0.25, 0.5],
                 [x - 0.25, 0.5],
             ];
-            let polytope = Polytope::of(&Shape::flat(&corners).unwrap()).unwrap();
+            let polytope = Polytope::from_shape(&Shape::flat(&corners).unwrap()).unwrap();
             (polytope, Vec3::new(x, 0.0, 0.0))
         };
         let whole = Kind::union(&[half(1.0), half(1.5)], 0.0).unwrap();
@@ -564,7 +564,7 @@ mod tests {
                 second: 2
             })
         ));
-        let cube = Polytope::of(&by_name("cube").unwrap()).unwrap();
+        let cube = Polytope::from_shape(&by_name("cube").unwrap()).unwrap();
         let mixed = Kind::union(&[half(0.0), (cube, Vec3::x())], 0.0);
         assert!(matches!(mixed, Err(Error::MixedDimensions)));
         assert!(Kind::union(&[], 0.0).is_err());

@@ -40,7 +40,7 @@ impl Moments {
     }
 
     /// The moments of a polygon or a polyhedron with its layer, about the origin of the corners.
-    pub(crate) fn of(polytope: &Polytope, radius: f64) -> Self {
+    pub(crate) fn from_polytope(polytope: &Polytope, radius: f64) -> Self {
         let mut moments = Self::none();
         match polytope.dimension {
             2 => moments.add_polygon(polytope, radius),
@@ -140,7 +140,7 @@ impl Moments {
         }
         for edge in &polytope.edges {
             let ends = edge.map(|corner| polytope.corners[corner]);
-            let normals = beside(polytope, edge);
+            let normals = normals_at_edge(polytope, edge);
             if let [first, second] = normals.as_slice() {
                 let fan = Fan::arc(first, second);
                 // The wedge is as long as the edge; the fan is per length.
@@ -148,7 +148,7 @@ impl Moments {
             }
         }
         for (number, corner) in polytope.corners.iter().enumerate() {
-            let normals = around(polytope, number);
+            let normals = normals_at_corner(polytope, number);
             for place in 1..normals.len().saturating_sub(1) {
                 let triangle = [normals[0], normals[place], normals[place + 1]];
                 self.add_fan([*corner; 2], radius, 3, &Fan::triangle(triangle));
@@ -260,14 +260,14 @@ pub(crate) fn unit_rule() -> Vec<(f64, f64)> {
 }
 
 /// Normals of the faces that share an edge.
-fn beside(polytope: &Polytope, edge: &[usize; 2]) -> Vec<Vec3> {
+fn normals_at_edge(polytope: &Polytope, edge: &[usize; 2]) -> Vec<Vec3> {
     let has = |face: &&Face| edge.iter().all(|corner| face.corners.contains(corner));
     let faces = polytope.faces.iter().filter(has);
     faces.map(|face| face.normal).collect()
 }
 
 /// Normals of the faces at a corner, in their order around it.
-fn around(polytope: &Polytope, corner: usize) -> Vec<Vec3> {
+fn normals_at_corner(polytope: &Polytope, corner: usize) -> Vec<Vec3> {
     // Each face with the corners before and after this one on its rim.
     let mut faces: Vec<(usize, usize, Vec3)> = Vec::new();
     for face in &polytope.faces {

@@ -132,7 +132,7 @@ impl Part {
     pub fn volume_with_layer(&self, layer: f64) -> f64 {
         let radius = self.radius + layer;
         match (self.half_axes, self.dimension) {
-            _ if !self.is_round() => Moments::of(&self.polytope, radius).volume,
+            _ if !self.is_round() => Moments::from_polytope(&self.polytope, radius).volume,
             (None, 2) => PI * radius * radius,
             (None, _) => 4.0 / 3.0 * PI * radius.powi(3),
             (Some(axes), 2) => {

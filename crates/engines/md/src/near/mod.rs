@@ -197,7 +197,7 @@ pub struct TurnedPart<'a> {
 
 impl Turned {
     /// Reserves room for bodies of these kinds.
-    pub fn of<'a>(kinds: impl Iterator<Item = &'a Kind>) -> Self {
+    pub fn from_kinds<'a>(kinds: impl Iterator<Item = &'a Kind>) -> Self {
         let mut geometry = Self::default();
         let mut starts = [0, 0];
         geometry.starts.push(starts);

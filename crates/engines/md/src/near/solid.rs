@@ -376,7 +376,7 @@ impl Sum<'_> {
                     continue;
                 }
                 // Edges against edges, where neither ends at a corner that has been counted.
-                if let Some(crossing) = Crossing::of(edge, other, reach) {
+                if let Some(crossing) = Crossing::find(edge, other, reach) {
                     crossing.add(&mut self.terms);
                 }
             }

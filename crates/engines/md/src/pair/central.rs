@@ -117,7 +117,7 @@ fn gradient_of_excess(pair: &Placed, closest: &ClosestPoints) -> Gradient {
     });
     let separation = closest.separation();
     let distance = separation.norm();
-    let response = Response::of(&features);
+    let response = Response::from_features(&features);
     // How M changes when the closest points move by `shift` in space, in addition to what their
     // bodies take along: `displacements` is how each point moves with its body, `turn` how the body
     // turns.
@@ -187,7 +187,7 @@ fn directions(body: &Polytope, point: &Vec3) -> Vec<Vec3> {
 struct Response(DMatrix<f64>);
 
 impl Response {
-    fn of(features: &[Vec<Vec3>; 2]) -> Self {
+    fn from_features(features: &[Vec<Vec3>; 2]) -> Self {
         let sizes = [features[0].len(), features[1].len()];
         let total = sizes[0] + sizes[1];
         let column = |n: usize| match n < sizes[0] {

@@ -29,7 +29,7 @@ pub struct Features {
 
 impl Features {
     /// The features of a body in a pose.
-    pub fn of(body: &Polytope, pose: &Pose) -> Self {
+    pub fn from_polytope(body: &Polytope, pose: &Pose) -> Self {
         let corners = body.corners_at(pose);
         let corner = |number: &usize| corners[*number];
         let faces = body.faces.iter().map(|face| {

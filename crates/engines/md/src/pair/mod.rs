@@ -128,7 +128,7 @@ impl<'a> Placed<'a> {
     /// use protomer_kernel::shape::{builders, polytope::Polytope};
     /// use protomer_kernel::{Pose, Vec3};
     /// use protomer_md::pair::{Form, Placed};
-    /// let cube = Polytope::of(&builders::by_name("cube")?)?;
+    /// let cube = Polytope::from_shape(&builders::by_name("cube")?)?;
     /// let there = Pose { position: Vec3::new(1.15, 0.0, 0.0), ..Pose::identity() };
     /// let here = Pose::identity();
     /// let pair = Placed::sharp([&cube, &cube], [&here, &there]);
@@ -149,7 +149,7 @@ impl<'a> Placed<'a> {
         if first.dimension != second.dimension {
             return Err(Error::MixedDimensions);
         }
-        let features = [0, 1].map(|n| Features::of(self.bodies[n], self.poses[n]));
+        let features = [0, 1].map(|n| Features::from_polytope(self.bodies[n], self.poses[n]));
         // Whether they overlap is told by the walk; where they are closest, more exactly by features.
         closest_points(&features[0].corners, &features[1].corners).ok_or(Error::Overlap)?;
         let closest = features[0].closest(&features[1]).ok_or(Error::Overlap)?;

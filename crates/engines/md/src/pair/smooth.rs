@@ -48,7 +48,7 @@ pub fn add(terms: &mut Terms, pair: &Placed, features: &[Features; 2]) {
     let reach = terms.radial.range() + terms.radii;
     for first in &first_features.edges {
         for second in &second_features.edges {
-            if let Some(crossing) = Crossing::of(*first, *second, reach) {
+            if let Some(crossing) = Crossing::find(*first, *second, reach) {
                 crossing.add(terms);
             }
         }
@@ -78,7 +78,7 @@ pub(crate) struct Crossing {
 impl Crossing {
     /// The crossing of two edges; `None` if they are parallel, farther apart than the reach, or
     /// closest at an end.
-    pub(crate) fn of(first: [Vec3; 2], second: [Vec3; 2], reach: f64) -> Option<Self> {
+    pub(crate) fn find(first: [Vec3; 2], second: [Vec3; 2], reach: f64) -> Option<Self> {
         let (u, v) = (first[1] - first[0], second[1] - second[0]);
         let r = first[0] - second[0];
         let (a, b, c) = (u.norm_squared(), u.dot(&v), v.norm_squared());

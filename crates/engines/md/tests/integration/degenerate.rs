@@ -28,7 +28,7 @@ struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    fn at(polytope: &'a Polytope, pose: &Pose) -> Self {
+    fn from_pose(polytope: &'a Polytope, pose: &Pose) -> Self {
         Self {
             polytope,
             corners: polytope.corners_at(pose),
@@ -161,7 +161,7 @@ fn contact(first: &Body<'_>, second: &Body<'_>, sigma: f64) -> Contact {
 }
 
 fn fast(kinds: [&Kind; 2], poses: &[Pose; 2], angle: f64, form: Form, hint: &mut Hint) -> Felt {
-    let mut turned = Turned::of(kinds.into_iter());
+    let mut turned = Turned::from_kinds(kinds.into_iter());
     for (n, kind) in kinds.iter().enumerate() {
         match kind.dimension {
             2 => turned.turn_flat(n, kind, [0.0, angle][n]),
@@ -267,8 +267,11 @@ fn is_allowed(found: &[Vec3; 3], allowed: &[[Vec3; 3]]) -> bool {
 /// Compares so many poses of each pair; says how many had more than one closest pair.
 fn compare(poses_per_pair: usize) -> usize {
     let kind = |name: &str| {
-        let polytope = Polytope::of(&by_name(name).unwrap()).unwrap();
-        Kind::of(&polytope).unwrap().of_unit_volume().unwrap()
+        let polytope = Polytope::from_shape(&by_name(name).unwrap()).unwrap();
+        Kind::from_polytope(&polytope)
+            .unwrap()
+            .of_unit_volume()
+            .unwrap()
     };
     let mut several = 0;
     for (number, names) in [
@@ -289,7 +292,7 @@ fn compare(poses_per_pair: usize) -> usize {
         let mut hint = Hint::default();
         for pose in 0..poses_per_pair {
             let (poses, angle) = nearly_degenerate(bodies, &mut rng);
-            let [a, b] = [0, 1].map(|n| Body::at(bodies[n], &poses[n]));
+            let [a, b] = [0, 1].map(|n| Body::from_pose(bodies[n], &poses[n]));
             let expected = contact(&a, &b, sigma);
             let placed = Placed::sharp(bodies, [&poses[0], &poses[1]]);
             let plain = placed.forces(Form::Contact).unwrap();

@@ -19,7 +19,8 @@ use serde_json::Value;
 const REFERENCE: &str = include_str!("two_bodies.json");
 
 fn kind(name: &str) -> Kind {
-    let kind = Kind::of(&Polytope::of(&by_name(name).unwrap()).unwrap()).unwrap();
+    let kind =
+        Kind::from_polytope(&Polytope::from_shape(&by_name(name).unwrap()).unwrap()).unwrap();
     kind.of_unit_volume().unwrap()
 }
 

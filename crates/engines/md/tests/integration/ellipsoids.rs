@@ -7,7 +7,7 @@ use protomer_md::near::{Felt, Hint, Law, Turned, felt};
 use protomer_md::pair::Form;
 
 fn feel(kinds: [&Kind; 2], poses: [&Pose; 2], hint: &mut Hint) -> Felt {
-    let mut turned = Turned::of(kinds.into_iter());
+    let mut turned = Turned::from_kinds(kinds.into_iter());
     for (n, kind) in kinds.iter().enumerate() {
         match kind.dimension {
             2 => turned.turn_flat(n, kind, poses[n].rotation.scaled_axis().z),

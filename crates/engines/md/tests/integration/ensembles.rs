@@ -16,7 +16,7 @@ use protomer_md::start::{free_density, on_a_lattice, set_velocities};
 use protomer_md::state::{Bodies, State};
 
 fn polytope(name: &str) -> Polytope {
-    Polytope::of(&by_name(name).unwrap()).unwrap()
+    Polytope::from_shape(&by_name(name).unwrap()).unwrap()
 }
 
 fn settings(interaction: Interaction, time_step: f64) -> Settings {
@@ -91,7 +91,7 @@ fn angle() -> Kind {
             .sum::<Vec3>()
             / 4.0;
         (
-            Polytope::of(&Shape::flat(&corners).unwrap()).unwrap(),
+            Polytope::from_shape(&Shape::flat(&corners).unwrap()).unwrap(),
             place,
         )
     };
@@ -134,7 +134,7 @@ fn bodies_of_all_kinds_keep_their_energy() {
         ("angles", one(angle(), 36), smooth, 1.8),
         (
             "pentagons that attract each other",
-            one(Kind::of(&polytope("polygon:5")).unwrap(), 36),
+            one(Kind::from_polytope(&polytope("polygon:5")).unwrap(), 36),
             attractive(Form::Smooth, Central::Conservative),
             1.1,
         ),
@@ -142,8 +142,8 @@ fn bodies_of_all_kinds_keep_their_energy() {
             "triangles, squares and disks",
             mixture(
                 vec![
-                    Kind::of(&polytope("polygon:3")).unwrap(),
-                    Kind::of(&polytope("polygon:4")).unwrap(),
+                    Kind::from_polytope(&polytope("polygon:3")).unwrap(),
+                    Kind::from_polytope(&polytope("polygon:4")).unwrap(),
                     Kind::ball(2, 0.5).unwrap(),
                 ],
                 36,
@@ -206,7 +206,7 @@ fn a_union_moves_as_its_parts_say() {
 
 #[test]
 fn what_bodies_cannot_feel_is_refused() {
-    let square = Kind::of(&polytope("polygon:4")).unwrap();
+    let square = Kind::from_polytope(&polytope("polygon:4")).unwrap();
     let ellipse = Kind::ellipsoid(2, Vec3::new(0.5, 1.0, 0.0)).unwrap();
     let mixture = Bodies {
         kinds: vec![square.clone(), ellipse],
@@ -287,7 +287,7 @@ fn the_volume_of_an_ideal_gas_is_gamma_distributed() {
 #[test]
 fn constant_pressure_and_constant_volume_agree() {
     // Squares: the mean density at the pressure that was measured at a density is that density.
-    let bodies = Bodies::of_one_kind(Kind::of(&polytope("polygon:4")).unwrap(), 36);
+    let bodies = Bodies::of_one_kind(Kind::from_polytope(&polytope("polygon:4")).unwrap(), 36);
     let start = compressed(&bodies, Form::FaceSum.into(), 1.05, 500);
     let volume = start.motion().state.volume(2);
     let bath = |ensemble: Ensemble| Settings {
@@ -336,7 +336,7 @@ fn constant_pressure_and_constant_volume_agree() {
 
 #[test]
 fn constant_pressure_goes_on_bit_for_bit() {
-    let bodies = Bodies::of_one_kind(Kind::of(&polytope("octahedron")).unwrap(), 64);
+    let bodies = Bodies::of_one_kind(Kind::from_polytope(&polytope("octahedron")).unwrap(), 64);
     let start = compressed(&bodies, Form::Smooth.into(), 1.2, 300);
     let npt = Settings {
         ensemble: Ensemble::Npt {

@@ -13,7 +13,8 @@ use protomer_md::pair::{Form, Interaction, Placed};
 const FORMS: [Form; 3] = [Form::Contact, Form::FaceSum, Form::Smooth];
 
 fn kind(name: &str) -> Kind {
-    let kind = Kind::of(&Polytope::of(&by_name(name).unwrap()).unwrap()).unwrap();
+    let kind =
+        Kind::from_polytope(&Polytope::from_shape(&by_name(name).unwrap()).unwrap()).unwrap();
     kind.of_unit_volume().unwrap()
 }
 
@@ -24,7 +25,7 @@ fn fast(
     hint: &mut Hint,
 ) -> Felt {
     let interaction = interaction.into();
-    let mut turned = Turned::of(kinds.into_iter());
+    let mut turned = Turned::from_kinds(kinds.into_iter());
     let law = Law::between(&kinds[0].parts[0], &kinds[1].parts[0], &interaction);
     for body in 0..2 {
         let rotation = poses[body].rotation;
@@ -167,7 +168,11 @@ fn attractive(form: Form) -> Interaction {
 }
 
 fn rounded(name: &str, radius: f64) -> Kind {
-    Kind::rounded(&Polytope::of(&by_name(name).unwrap()).unwrap(), radius).unwrap()
+    Kind::rounded(
+        &Polytope::from_shape(&by_name(name).unwrap()).unwrap(),
+        radius,
+    )
+    .unwrap()
 }
 
 #[test]

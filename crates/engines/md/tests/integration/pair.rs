@@ -11,7 +11,7 @@ use protomer_md::pair::{Form, PairForces, Placed};
 const FORMS: [Form; 3] = [Form::Contact, Form::FaceSum, Form::Smooth];
 
 fn body(name: &str) -> Polytope {
-    Polytope::of(&by_name(name).unwrap()).unwrap()
+    Polytope::from_shape(&by_name(name).unwrap()).unwrap()
 }
 
 fn forces(body: &Polytope, poses: [&Pose; 2], form: Form) -> Option<PairForces> {
@@ -146,7 +146,7 @@ fn aligned(dimension: usize) -> Polytope {
     match dimension {
         2 => {
             let square = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
-            Polytope::of(&Shape::flat(&square).unwrap()).unwrap()
+            Polytope::from_shape(&Shape::flat(&square).unwrap()).unwrap()
         }
         _ => body("cube"),
     }

@@ -38,7 +38,7 @@ fn shape(reference: &Value, name: &Value) -> Polytope {
                 .collect::<Vec<_>>(),
         ),
     };
-    Polytope::of(&shape.unwrap()).unwrap()
+    Polytope::from_shape(&shape.unwrap()).unwrap()
 }
 
 fn turn(pose: &Value, body: &str) -> Rotation {
@@ -60,7 +60,7 @@ struct Pair {
 }
 
 impl Pair {
-    fn of(reference: &Value, pose: &Value) -> Self {
+    fn from_reference(reference: &Value, pose: &Value) -> Self {
         let bodies = ["i", "j"].map(|body| shape(reference, &pose[format!("shape_{body}")]));
         let places = [Vec3::zeros(), vector(&pose["d"])];
         let rotations = ["i", "j"].map(|body| turn(pose, body));
@@ -81,9 +81,9 @@ impl Pair {
     fn fast(&self, interaction: impl Into<Interaction>) -> PairForces {
         let interaction = interaction.into();
         // The engine turns bodies to their principal axes; those of the reference are there already.
-        let kinds = [0, 1].map(|n| Kind::of(&self.bodies[n]).unwrap());
+        let kinds = [0, 1].map(|n| Kind::from_polytope(&self.bodies[n]).unwrap());
         let law = Law::between(&kinds[0].parts[0], &kinds[1].parts[0], &interaction);
-        let mut turned = Turned::of(kinds.iter());
+        let mut turned = Turned::from_kinds(kinds.iter());
         for (n, kind) in kinds.iter().enumerate() {
             let rotation = self.poses[n].rotation;
             match kind.dimension {
@@ -144,7 +144,7 @@ fn all_reference_poses_are_met_by_both_paths() {
     assert_eq!(poses.len(), 21);
     for pose in poses {
         let name = pose["name"].as_str().unwrap();
-        let pair = Pair::of(&reference, pose);
+        let pair = Pair::from_reference(&reference, pose);
         for (form, key) in [(Form::Contact, "contact"), (Form::FaceSum, "face_sum")] {
             let plain = pair.plain(form);
             assert_near(plain.distance, pose["r_c"].as_f64().unwrap(), EXACT, name);
@@ -185,7 +185,7 @@ fn the_central_terms_are_those_of_the_reference() {
     let mut active = 0;
     for pose in reference["poses"].as_array().unwrap() {
         let name = pose["name"].as_str().unwrap();
-        let pair = Pair::of(&reference, pose);
+        let pair = Pair::from_reference(&reference, pose);
         // The difference of two sums is as exact as the sums.
         let contact = pair.plain(Form::Contact);
         let lost = 1.0 + contact.energy.abs() + contact.force.norm();
@@ -240,7 +240,7 @@ fn the_attractive_energies_are_those_of_the_reference() {
     };
     for pose in reference["poses"].as_array().unwrap() {
         let name = pose["name"].as_str().unwrap();
-        let pair = Pair::of(&reference, pose);
+        let pair = Pair::from_reference(&reference, pose);
         let row = &pose["attractive"];
         let of = |form: Form| {
             pair.plain(Interaction {

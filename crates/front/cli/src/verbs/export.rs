@@ -66,8 +66,8 @@ impl ExportArgs {
             force: front.force(),
         };
         match is_trajectory(&settings.output) {
-            true => Ok(Reply::of(export_trajectory(&settings)?)),
-            false => Ok(Reply::of(export(&settings)?)),
+            true => Ok(Reply::from_answer(export_trajectory(&settings)?)),
+            false => Ok(Reply::from_answer(export(&settings)?)),
         }
     }
 }

@@ -92,7 +92,7 @@ impl PotentialArgs {
             self.output.as_deref(),
             front.force(),
         )?;
-        Ok(Reply::of(report))
+        Ok(Reply::from_answer(report))
     }
 
     fn dielectric(&self) -> Result<DielectricModel> {

@@ -30,6 +30,6 @@ impl ReportArgs {
             assembly: self.assembly.clone(),
             force: front.force(),
         };
-        Ok(Reply::of(report(&self.directory, &request)?))
+        Ok(Reply::from_answer(report(&self.directory, &request)?))
     }
 }

@@ -77,7 +77,7 @@ impl ScatteringArgs {
         };
         let report = scattering(&settings, front.progress().as_ref())?;
         let warnings = report.warnings.clone();
-        let reply = Reply::of(report).with_notes(warnings);
+        let reply = Reply::from_answer(report).with_notes(warnings);
         Ok(match &self.output {
             Some(directory) => {
                 let figure = directory.join("scattering.png");

@@ -65,7 +65,7 @@ impl TitrateArgs {
         let warnings: Vec<String> = warnings
             .map(|warning| format!("warning: {warning}"))
             .collect();
-        let reply = Reply::of(report).with_notes(warnings);
+        let reply = Reply::from_answer(report).with_notes(warnings);
         Ok(match &self.output {
             Some(directory) => {
                 let figure = directory.join("titration.png");

@@ -79,7 +79,8 @@ fn formulas_for_both_mechanisms_are_exact() {
         for (kh, ks) in [(50.0, 10_000.0), (10_000.0, 50.0), (50.0, 50.0)] {
             let made_of = honeycomb(theta, kh, ks);
             let report = report(&build::honeycomb(&made_of).unwrap());
-            let formula = Analytic::of(&made_of, report.gpa_per_kcal_mol_angstrom3).analytic;
+            let formula =
+                Analytic::from_honeycomb(&made_of, report.gpa_per_kcal_mol_angstrom3).analytic;
             let axial = formula.axial;
             for (key, expected) in [
                 ("e_y_gpa", axial.e_y_gpa),
@@ -111,8 +112,9 @@ fn a_network_read_back_is_the_network_written() {
     torsional
         .torsions
         .push(protomer_linkage::framework::Torsion {
-            along: bonds
-                .map(|(node, image)| protomer_linkage::framework::Neighbour::there(node, &image)),
+            along: bonds.map(|(node, image)| {
+                protomer_linkage::framework::Neighbour::in_image(node, &image)
+            }),
             stiffness_kcal_mol_rad2: 0.1,
             rest_angle_rad: Some(-1.25),
         });

@@ -31,7 +31,7 @@ impl Learning {
     ///
     /// # Errors
     /// If the settings cannot be read.
-    pub fn of(kind: &ResultKind, directory: &Path) -> Result<Option<Self>> {
+    pub fn read(kind: &ResultKind, directory: &Path) -> Result<Option<Self>> {
         let settings = directory.join("settings.toml");
         Ok(Some(match kind {
             ResultKind::Training => Self::Training(Box::new(read_toml(&settings)?)),

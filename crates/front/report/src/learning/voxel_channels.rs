@@ -43,7 +43,7 @@ pub fn section(set: &VoxelSet, meanings: &BTreeMap<String, String>) -> Result<Se
         Ok(stored
             .values
             .iter()
-            .map(|values| Values::of(values))
+            .map(|values| Values::from_values(values))
             .collect())
     };
     let of_samples = read.par_iter().map(of_sample).collect::<Result<Vec<_>>>()?;
@@ -103,7 +103,7 @@ fn describe(transform: &Transform) -> String {
 }
 
 impl Values {
-    fn of(values: &[f32]) -> Self {
+    fn from_values(values: &[f32]) -> Self {
         let nothing = Self {
             count: 0,
             sum: 0.0,
@@ -150,9 +150,12 @@ mod tests {
 
     #[test]
     fn parts_make_the_whole() {
-        let parts = [Values::of(&[1.0, -2.0]), Values::of(&[4.0])];
+        let parts = [
+            Values::from_values(&[1.0, -2.0]),
+            Values::from_values(&[4.0]),
+        ];
         let whole = parts.into_iter().reduce(Values::and).unwrap();
-        assert_eq!(whole, Values::of(&[1.0, -2.0, 4.0]));
+        assert_eq!(whole, Values::from_values(&[1.0, -2.0, 4.0]));
         assert_eq!(whole.shown(), ["−2", "1", "2.449", "4"]);
     }
 }

@@ -63,7 +63,7 @@ pub fn page(directory: &Path) -> Result<Page> {
         more,
     ));
     let mut problems = problems(&samples, &excluded);
-    for shortfall in Missing::of(&origins(reader)?) {
+    for shortfall in Missing::find(&origins(reader)?) {
         let parts = shortfall.parts.join(", ");
         problems.push(format!(
             "{} of the {} structures of a manifest are missing; only its parts {parts} are here.",

@@ -99,11 +99,11 @@ impl LabelTable {
             file: &file.name,
             by_tabs: heading.contains('\t'),
         };
-        let heading = split.of(line, heading)?;
-        let places = Places::of(&file.name, line, &heading, column)?;
+        let heading = split.split(line, heading)?;
+        let places = Places::from_heading(&file.name, line, &heading, column)?;
         let mut rows: BTreeMap<String, (String, usize)> = BTreeMap::new();
         for (line, text) in lines {
-            let row = split.of(line, text)?;
+            let row = split.split(line, text)?;
             if row.len() != heading.len() {
                 bail!(
                     "{}:{line}: {} cells for the {} columns of the heading; give one for each",
@@ -282,7 +282,7 @@ struct Cells<'a> {
 }
 
 impl Cells<'_> {
-    fn of(&self, line: usize, text: &str) -> Result<Vec<String>> {
+    fn split(&self, line: usize, text: &str) -> Result<Vec<String>> {
         if self.by_tabs {
             let cells = text.split('\t');
             return Ok(cells.map(|cell| cell.trim().to_owned()).collect());
@@ -298,7 +298,12 @@ struct Places {
 }
 
 impl Places {
-    fn of(file: &str, line: usize, heading: &[String], column: Option<&str>) -> Result<Self> {
+    fn from_heading(
+        file: &str,
+        line: usize,
+        heading: &[String],
+        column: Option<&str>,
+    ) -> Result<Self> {
         for (place, name) in heading.iter().enumerate() {
             if heading[..place].contains(name) {
                 bail!(

@@ -85,7 +85,7 @@ impl Keys {
     ///
     /// # Errors
     /// Never for text in memory.
-    pub fn of(&self, name: &str, sha256: Option<Digest>) -> Result<Digest> {
+    pub fn key(&self, name: &str, sha256: Option<Digest>) -> Result<Digest> {
         digest(&(&self.0, name, sha256.map(|digest| digest.to_string())))
     }
 }
@@ -153,15 +153,15 @@ mod tests {
             ..Row::default()
         };
         let rows: Vec<Row> = (0..3).map(row).collect();
-        let whole = |value: Value| Digest::of(value.to_string().as_bytes());
+        let whole = |value: Value| Digest::hash(value.to_string().as_bytes());
         let streamed = identity(&settings, || rows.iter().cloned().map(Ok)).unwrap();
         let made = making(&settings).unwrap();
         assert_eq!(streamed, whole(json!([made, rows])).to_string());
         let keys = Keys::new(&settings, None).unwrap();
-        for sha256 in [None, Some(Digest::of(b"file"))] {
+        for sha256 in [None, Some(Digest::hash(b"file"))] {
             let text = sha256.map(|digest| digest.to_string());
             assert_eq!(
-                keys.of("a\"b", sha256).unwrap(),
+                keys.key("a\"b", sha256).unwrap(),
                 whole(json!([made, "a\"b", text]))
             );
         }

@@ -117,7 +117,7 @@ impl Manifest {
         let (mut begins, mut hashes) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for line in lines(&self.text).skip(1) {
             let name = self.entry_of(begins.len(), &line)?.name;
-            hashes.push(Digest::of(name.as_bytes()).short());
+            hashes.push(Digest::hash(name.as_bytes()).short());
             begins.push(line.begin);
         }
         hashes.sort_unstable();

@@ -98,7 +98,7 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         excluded: sources.excluded.len(),
         voxels: sources.voxels(),
         bytes: set::bytes_on_disk(output),
-        missing: Missing::of(&sources.manifests),
+        missing: Missing::find(&sources.manifests),
         manifest_warnings: relatives::in_several_clusters(rows.len(), row)?,
         nothing_to_do,
     })

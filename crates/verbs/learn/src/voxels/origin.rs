@@ -125,7 +125,7 @@ pub struct Missing {
 
 impl Missing {
     /// Lists the manifests with missing parts.
-    pub fn of(manifests: &[Origin]) -> Vec<Self> {
+    pub fn find(manifests: &[Origin]) -> Vec<Self> {
         let incomplete = manifests.iter().filter(|manifest| manifest.missing() > 0);
         let missing = incomplete.map(|manifest| Self {
             manifest_sha256: manifest.manifest_sha256.clone(),
@@ -163,7 +163,10 @@ mod tests {
             (manifests[0].parts.join(" "), manifests[0].missing()),
             ("2/16 10/16".into(), 34)
         );
-        let lines: Vec<String> = Missing::of(&manifests).iter().map(Missing::line).collect();
+        let lines: Vec<String> = Missing::find(&manifests)
+            .iter()
+            .map(Missing::line)
+            .collect();
         assert!(
             lines.len() == 1
                 && lines[0].contains("0123456789ab... are missing: 34 of 40 structures"),
@@ -176,6 +179,6 @@ mod tests {
             parts: Vec::new(),
             ..part(1)
         };
-        assert_eq!(Missing::of(&joined([unknown].into_iter())), []);
+        assert_eq!(Missing::find(&joined([unknown].into_iter())), []);
     }
 }

@@ -81,7 +81,7 @@ impl<'a> Part<'a> {
     /// The key of the record of a structure in the work file.
     pub(super) fn key(&self, structure: usize) -> Result<Digest> {
         let name = self.entry(structure)?.name;
-        self.keys.of(&name, self.hash(structure))
+        self.keys.key(&name, self.hash(structure))
     }
 }
 
@@ -97,5 +97,5 @@ fn hash_of(entry: &Entry) -> Option<Digest> {
     let (chains, others) = (&partner.chains, &partner.partner_chains);
     // Numbers as they print: the fewest digits that read back exactly.
     let text = format!("{first} {second} {chains:?} {others:?} {position:?} {rotation:?}");
-    Some(Digest::of(text.as_bytes()))
+    Some(Digest::hash(text.as_bytes()))
 }

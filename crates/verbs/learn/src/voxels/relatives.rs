@@ -48,7 +48,7 @@ impl Groups {
 
     fn add(&mut self, word: &str, number: usize) {
         if !word.is_empty() {
-            self.0.push((Digest::of(word.as_bytes()).short(), number));
+            self.0.push((Digest::hash(word.as_bytes()).short(), number));
         }
     }
 

@@ -473,7 +473,7 @@ pub(super) fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
 
 /// A number derived from the name.
 pub(super) fn key_of(name: &str) -> u64 {
-    Digest::of(name.as_bytes()).short()
+    Digest::hash(name.as_bytes()).short()
 }
 
 fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> {

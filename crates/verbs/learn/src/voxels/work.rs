@@ -288,7 +288,7 @@ mod tests {
     use super::*;
 
     fn key(name: &str) -> Digest {
-        Digest::of(name.as_bytes())
+        Digest::hash(name.as_bytes())
     }
 
     /// Opens a work file for three structures.

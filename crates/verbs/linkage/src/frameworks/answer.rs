@@ -61,7 +61,7 @@ impl Analysis {
         let (placed, mut report) = analyse(&self.network, &self.name, &self.settings)?;
         let gpa = report.gpa_per_kcal_mol_angstrom3;
         if let (Some(honeycomb), None) = (&self.honeycomb, self.settings.relax) {
-            report.analytic = Some(Analytic::of(honeycomb, gpa));
+            report.analytic = Some(Analytic::from_honeycomb(honeycomb, gpa));
         }
         let mut loaded = None;
         if let Some(load) = &self.load {

@@ -139,7 +139,7 @@ impl Patch {
         for number in 0..counts.iter().product() {
             let cell = cell_of(number, counts);
             for rod in &network.rods {
-                let from = projected(network, &Neighbour::here(rod.from), &cell);
+                let from = projected(network, &Neighbour::in_own_cell(rod.from), &cell);
                 lines.push([from, projected(network, &rod.to, &cell)]);
             }
         }

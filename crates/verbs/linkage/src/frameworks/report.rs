@@ -204,7 +204,8 @@ pub fn analyse(
     } else {
         "the relaxed network has no elastic constants"
     };
-    let elasticity = Elasticity::at(network, &energy, &configuration).context(hint)?;
+    let elasticity =
+        Elasticity::from_configuration(network, &energy, &configuration).context(hint)?;
     let dimension = placed.dimension();
     let printed = match settings.derivatives {
         true => Some(print_derivatives(&energy, &configuration, &derivatives)?),
@@ -258,7 +259,7 @@ pub fn analyse(
 
 impl Analytic {
     /// The formulas for this honeycomb.
-    pub fn of(honeycomb: &Honeycomb, gpa: f64) -> Self {
+    pub fn from_honeycomb(honeycomb: &Honeycomb, gpa: f64) -> Self {
         Self {
             analytic: AnalyticModuli::new(honeycomb.both(gpa)),
             analytic_hinging: AnalyticModuli::new(honeycomb.hinging(gpa)),

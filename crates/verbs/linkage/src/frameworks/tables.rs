@@ -241,7 +241,7 @@ fn simulated(
 ) -> Result<Row> {
     let network = build::honeycomb(&honeycomb(mechanism, theta_deg))?.supercell(&[cells, cells])?;
     let gpa = gpa_per_kcal_mol_angstrom3(AVOGADRO_OF_SIMULATION);
-    let moduli = Moduli::new(&Elasticity::of(&network)?, gpa);
+    let moduli = Moduli::new(&Elasticity::from_framework(&network)?, gpa);
     let ratio = |i: usize, j: usize| moduli.poissons[i][j].unwrap_or(f64::NAN);
     let modulus = |i: usize| moduli.youngs_gpa[i].unwrap_or(f64::NAN);
     let unconverged = mechanism == "mixed" && [45.0, 135.0].contains(&theta_deg);

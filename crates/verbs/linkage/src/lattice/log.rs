@@ -59,8 +59,8 @@ impl LogRow {
         let network = mover.network().clone();
         let potential_energy = mover.potential_energy();
         let kinetic_energy = state.kinetic_energy(&network);
-        let modes = Modes::of(&network, &state.positions);
-        let energies = ModeEnergies::of(&network, state);
+        let modes = Modes::from_coordinates(&network, &state.positions);
+        let energies = ModeEnergies::from_state(&network, state);
         let fraction = |out_of| {
             energies
                 .checkerboard_fraction(out_of, potential_energy)
@@ -88,7 +88,7 @@ impl LogRow {
             step_strain_yy,
             rod_violation: mover.rod_violation(state),
             events: mover.events(),
-            checkerboard_rate: Modes::of(&network, &state.velocities).checkerboard,
+            checkerboard_rate: Modes::from_coordinates(&network, &state.velocities).checkerboard,
         }
     }
 }

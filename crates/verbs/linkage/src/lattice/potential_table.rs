@@ -21,7 +21,7 @@ use std::path::Path;
 /// ```
 /// use protomer_linkage_verbs::lattice::potential_table::PotentialTable;
 /// let table = PotentialTable::from_csv("well.csv", "angle_deg,energy_kt\n0,1\n90,0\n180,1\n")?;
-/// assert_eq!(table.spline(Some(0.5))?.at(0.0)[0], 0.5);
+/// assert_eq!(table.spline(Some(0.5))?.evaluate(0.0)[0], 0.5);
 /// assert!(table.spline(None).is_err(), "in kT, but there is no temperature");
 /// # Ok::<(), anyhow::Error>(())
 /// ```
@@ -170,7 +170,7 @@ mod tests {
         });
         for k in -10..50 {
             let angle = 0.1 * f64::from(k);
-            assert!((a.at(angle)[0] - b.at(angle)[0]).abs() < 1e-14);
+            assert!((a.evaluate(angle)[0] - b.evaluate(angle)[0]).abs() < 1e-14);
         }
     }
 

@@ -277,8 +277,8 @@ pub fn replay(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Replay
             last.max(longest)
         );
     }
-    let motion = Motion::of(file, time_step)?;
-    let finer = Motion::of(file, 0.5 * time_step)?;
+    let motion = Motion::from_file(file, time_step)?;
+    let finer = Motion::from_file(file, 0.5 * time_step)?;
     Ok(Replay {
         time_step,
         times: file.times.clone(),
@@ -302,7 +302,7 @@ struct Motion {
 }
 
 impl Motion {
-    fn of(file: &LatticeFile, time_step: f64) -> Result<Self> {
+    fn from_file(file: &LatticeFile, time_step: f64) -> Result<Self> {
         let mut state = file.first_state();
         let mut dynamics = file.dynamics(&state)?;
         let (mut s, mut v, mut energy) = (Vec::new(), Vec::new(), Vec::new());

@@ -35,8 +35,8 @@ pub fn square_of_body(body: &Body, axis: Axis, size: Size) -> Result<NamedSquare
         mass_properties: &body.mass_properties,
         charges: &charges,
     };
-    let square =
-        BodySquare::of(&solid, axis, size).with_context(|| format!("the body {}", body.name))?;
+    let square = BodySquare::from_solid(&solid, axis, size)
+        .with_context(|| format!("the body {}", body.name))?;
     Ok(NamedSquare {
         body: body.name.clone(),
         square,

@@ -339,7 +339,7 @@ fn defects_and_other_squares_are_where_they_should_be() {
         (network.squares.len(), network.rods.len()),
         (15, 24 - 2 - 1)
     );
-    let other = network.squares[network.at(3, 3).unwrap()];
+    let other = network.squares[network.square(3, 3).unwrap()];
     assert!((other.inertia - 2.0 * 0.81 / 3.0).abs() < 1e-15 && other.mass == 2.0);
     // The rods of the smaller square are brought to their length.
     let begun = begin(&settings).unwrap();

@@ -102,7 +102,7 @@ fn sweeps_tell_of_domains_and_locking() {
     let net = network(&LatticeSettings { r0: 2.0, ..small() }).unwrap();
     let mut counts = 0.0;
     for (_, positions) in &frames {
-        counts += Domains::of(&net, &sides(&net, positions)).count as f64 / frames.len() as f64;
+        counts += Domains::find(&net, &sides(&net, positions)).count as f64 / frames.len() as f64;
     }
     let run = sweep
         .runs
@@ -246,9 +246,9 @@ fn sweeps_measure_lyapunov_exponents() {
 fn sweeps_follow_the_mode_through_the_open_state() {
     let exact = CoherentOrbit::new(2, 2, Square::default(), 1.0, FRAC_PI_4, -1.0).unwrap();
     let mut expected = 0;
-    let mut before = exact.at(1e-9)[0];
+    let mut before = exact.state(1e-9)[0];
     for step in 1..=1000 {
-        let angle = exact.at(0.01 * f64::from(step))[0];
+        let angle = exact.state(0.01 * f64::from(step))[0];
         expected += usize::from((angle - FRAC_PI_4) * (before - FRAC_PI_4) < 0.0);
         before = angle;
     }

@@ -58,7 +58,7 @@ impl BodyFiles {
     pub fn new(paths: Vec<PathBuf>, bodies: Vec<Body>) -> Result<Self> {
         let mut hard = Vec::with_capacity(bodies.len());
         for (body, path) in bodies.iter().zip(&paths) {
-            hard.push(HardBody::of(body).with_context(|| path.display().to_string())?);
+            hard.push(HardBody::from_body(body).with_context(|| path.display().to_string())?);
         }
         Ok(Self {
             paths,

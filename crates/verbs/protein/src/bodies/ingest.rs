@@ -97,7 +97,7 @@ pub struct BodyMeasures {
 
 impl BodyMeasures {
     /// Measures a body.
-    pub fn of(body: &Body) -> Self {
+    pub fn from_body(body: &Body) -> Self {
         Self {
             atoms: body.sites.len(),
             residues: body.residues.len(),
@@ -320,7 +320,7 @@ pub(super) fn keep(
         sha256: built.body.provenance.source_sha256.clone(),
         status: "ok",
         body: Some(path),
-        measures: Some(BodyMeasures::of(&built.body)),
+        measures: Some(BodyMeasures::from_body(&built.body)),
         distance: Some(MeshDistance {
             mesh_rms_distance_angstrom: built.deviation.rms_angstrom,
             mesh_largest_distance_angstrom: built.deviation.largest_angstrom,

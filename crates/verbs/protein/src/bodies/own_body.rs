@@ -73,7 +73,7 @@ pub fn make(description: &OwnBody, output: &Path, force: bool) -> Result<Written
     Ok(WrittenBody {
         body: output.to_owned(),
         name: body.name.clone(),
-        measures: BodyMeasures::of(&body),
+        measures: BodyMeasures::from_body(&body),
     })
 }
 

@@ -441,7 +441,7 @@ mod tests {
             std::fs::write(folder.join(name), format!("{text}more, and half a ro")).unwrap();
             LogMark {
                 bytes: text.len() as u64,
-                sha256: Digest::of(text.as_bytes()).to_string(),
+                sha256: Digest::hash(text.as_bytes()).to_string(),
             }
         };
         let failed = (0..48).filter(|number| number % 7 == 3).count();

@@ -106,7 +106,7 @@ pub(super) fn record_of(outcome: &FileOutcome) -> FileRecord {
 }
 
 impl WarningRow {
-    fn of(file: &str, kind: &str, message: &str) -> Self {
+    fn from_message(file: &str, kind: &str, message: &str) -> Self {
         Self([file, kind, message].map(str::to_owned))
     }
 }
@@ -179,7 +179,7 @@ impl Tables {
         let warnings = record.warnings.iter().map(|text| ("warning", text));
         let errors = record.error.iter().map(|text| ("error", text));
         for (kind, text) in warnings.chain(errors) {
-            let row = WarningRow::of(&record.file, kind, text);
+            let row = WarningRow::from_message(&record.file, kind, text);
             self.warnings.append(&row)?;
         }
         Ok(())

@@ -179,7 +179,7 @@ fn placed<'a>(source: &'a Source, values: Option<ResidueValues>) -> PlacedBodies
     for (kind, pose) in source.kinds.iter().zip(&source.poses) {
         let body = &source.bodies[*kind];
         copies.push(PlacedBody {
-            residue_values: values.map_or(Vec::new(), |values| values.of(body)),
+            residue_values: values.map_or(Vec::new(), |values| values.evaluate(body)),
             ..PlacedBody::new(body, *pose)
         });
     }

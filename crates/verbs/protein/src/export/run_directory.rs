@@ -55,7 +55,7 @@ fn trajectory_in(simulation: &Path) -> Result<PathBuf> {
 /// Directories of the sweep and of the requested simulation of it.
 fn simulation_in(settings: &ExportSettings) -> Result<(PathBuf, PathBuf)> {
     let directory = settings.input.as_path();
-    Ok(match ResultKind::of(directory) {
+    Ok(match ResultKind::detect(directory) {
         Some(ResultKind::Sweep) => (directory.to_owned(), simulation_of(directory, settings)?),
         Some(ResultKind::Simulation) => (sweep_of(directory, settings)?, directory.to_owned()),
         Some(ResultKind::Pair | ResultKind::PairCondition) => bail!(

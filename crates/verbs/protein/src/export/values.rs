@@ -14,7 +14,7 @@ protomer_kernel::choices! {
 
 impl ResidueValues {
     /// The value of each residue of a body.
-    pub fn of(self, body: &Body) -> Vec<f64> {
+    pub fn evaluate(self, body: &Body) -> Vec<f64> {
         let value = |residue: &Residue| match self {
             Self::Charge => residue.charge_e,
             Self::Hydropathy => residue.hydropathy.unwrap_or(0.0),

@@ -36,7 +36,7 @@ impl Source {
         if !input.is_dir() {
             return Self::of_assembly(settings);
         }
-        let (sweep, only) = match ResultKind::of(input) {
+        let (sweep, only) = match ResultKind::detect(input) {
             Some(ResultKind::Sweep) => (input.to_owned(), None),
             Some(ResultKind::Simulation) => {
                 let path = input

@@ -89,10 +89,10 @@ impl DiskCache {
     /// The cache of the user: `PROTOMER_CACHE_DIR`, or `protomer` in `XDG_CACHE_HOME` or in
     /// `~/.cache`; `None` without any of them, or if the first is set to nothing.
     pub fn of_user() -> Option<Self> {
-        Self::of(|name| std::env::var_os(name))
+        Self::from_environment(|name| std::env::var_os(name))
     }
 
-    fn of(variable: impl Fn(&str) -> Option<OsString>) -> Option<Self> {
+    fn from_environment(variable: impl Fn(&str) -> Option<OsString>) -> Option<Self> {
         if variable(FOLDER_VARIABLE).is_some_and(|value| value.is_empty()) {
             // Set to nothing is a wish, not an absence.
             return None;
@@ -328,7 +328,7 @@ mod tests {
     #[test]
     fn the_folder_follows_the_environment() {
         let of = |variables: &'static [(&str, &str)]| {
-            DiskCache::of(|name| {
+            DiskCache::from_environment(|name| {
                 variables
                     .iter()
                     .find(|(known, _)| *known == name)

@@ -95,7 +95,7 @@ impl EnergyTables {
     ///
     /// # Errors
     /// If those in use take more memory than is allowed: says how much is needed and what to do.
-    pub fn of(
+    pub fn tables(
         &self,
         types: &[Arc<BodyType>],
         yukawa: &Yukawa,
@@ -120,10 +120,10 @@ impl EnergyTables {
     /// levels from here.
     ///
     /// # Errors
-    /// As [`of`](Self::of).
+    /// As [`tables`](Self::tables).
     pub fn levels(&self, system: &System, yukawa: Yukawa) -> Result<Levels> {
         let reach_angstrom = table_reach_angstrom(&yukawa, system);
-        let tables = self.of(system.types(), &yukawa, reach_angstrom)?;
+        let tables = self.tables(system.types(), &yukawa, reach_angstrom)?;
         let calibration = self.calibration(system, &yukawa, reach_angstrom, &tables);
         Ok(Levels::with_calibration(yukawa, tables, calibration))
     }
@@ -315,11 +315,11 @@ mod tests {
     fn equal_charges_under_one_potential_share_a_table() {
         let (types, again) = (two_kinds(3, 4, 1).unwrap(), two_kinds(3, 4, 1).unwrap());
         let tables = EnergyTables::default();
-        let first = tables.of(&types, &yukawa(9.6), 40.0).unwrap();
-        let second = tables.of(&again, &yukawa(9.6), 40.0).unwrap();
+        let first = tables.tables(&types, &yukawa(9.6), 40.0).unwrap();
+        let second = tables.tables(&again, &yukawa(9.6), 40.0).unwrap();
         assert!(first.iter().zip(&second).all(|(a, b)| Arc::ptr_eq(a, b)));
         assert!(!Arc::ptr_eq(&first[0], &first[1]));
-        let other = tables.of(&types, &yukawa(3.0), 40.0).unwrap();
+        let other = tables.tables(&types, &yukawa(3.0), 40.0).unwrap();
         assert!(!Arc::ptr_eq(&first[0], &other[0]));
     }
 
@@ -332,11 +332,11 @@ mod tests {
                 .with_cache(DiskCache::new(folder.path()), |line| panic!("{line}"))
         };
         let (cold, warm) = (tables(), tables());
-        let made = cold.of(&types, &yukawa(9.6), 40.0).unwrap();
+        let made = cold.tables(&types, &yukawa(9.6), 40.0).unwrap();
         assert!(!cold.all_from_cache());
-        assert_eq!(warm.of(&types, &yukawa(9.6), 40.0).unwrap(), made);
+        assert_eq!(warm.tables(&types, &yukawa(9.6), 40.0).unwrap(), made);
         assert!(warm.all_from_cache());
-        warm.of(&types, &yukawa(9.5), 40.0).unwrap();
+        warm.tables(&types, &yukawa(9.5), 40.0).unwrap();
         assert!(!warm.all_from_cache());
     }
 
@@ -380,7 +380,7 @@ mod tests {
         let tables = EnergyTables::default()
             .with_cache(cache, |line| locked(&WARNINGS).push(line.to_owned()));
         tables
-            .of(&two_kinds(3, 4, 1).unwrap(), &yukawa(9.6), 40.0)
+            .tables(&two_kinds(3, 4, 1).unwrap(), &yukawa(9.6), 40.0)
             .unwrap();
         let warnings = locked(&WARNINGS).clone();
         assert!(
@@ -397,15 +397,15 @@ mod tests {
     fn what_is_in_use_is_bounded_and_the_rest_makes_room() {
         let types = two_kinds(3, 4, 1).unwrap();
         let size: usize = EnergyTables::default()
-            .of(&types, &yukawa(9.6), 40.0)
+            .tables(&types, &yukawa(9.6), 40.0)
             .unwrap()
             .iter()
             .map(|table| table.memory_bytes())
             .sum();
         let tables = EnergyTables::new(size as u64);
-        let in_use = tables.of(&types, &yukawa(9.6), 40.0).unwrap();
+        let in_use = tables.tables(&types, &yukawa(9.6), 40.0).unwrap();
         let message = tables
-            .of(&types, &yukawa(9.5), 40.0)
+            .tables(&types, &yukawa(9.5), 40.0)
             .unwrap_err()
             .to_string();
         assert!(
@@ -414,8 +414,8 @@ mod tests {
         );
         drop(in_use);
         let tables = EnergyTables::new(size as u64 * 3 / 2);
-        drop(tables.of(&types, &yukawa(9.6), 40.0).unwrap());
-        tables.of(&types, &yukawa(9.5), 40.0).unwrap();
+        drop(tables.tables(&types, &yukawa(9.6), 40.0).unwrap());
+        tables.tables(&types, &yukawa(9.5), 40.0).unwrap();
     }
 
     #[test]

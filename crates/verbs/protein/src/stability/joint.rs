@@ -109,7 +109,7 @@ pub fn joint(body: &Body, settings: &JointSettings) -> Result<JointAnswer> {
     let cloud = match settings.is_effective {
         true => {
             let store = EffectiveStore::default();
-            let effective = store.of(body, &settings.interaction, &SoluteModel::default())?;
+            let effective = store.charges(body, &settings.interaction, &SoluteModel::default())?;
             ChargeCloud::new(&effective.charges)
         }
         false => kind.charges.clone(),
@@ -147,7 +147,7 @@ pub fn joint(body: &Body, settings: &JointSettings) -> Result<JointAnswer> {
         is_turned_over: settings.is_turned_over,
         points,
     };
-    if answer.known().count() < 2 {
+    if answer.energies().count() < 2 {
         bail!(
             "{}: the bodies overlap in every direction at nearly all openings; give a longer --rod, or another --size of \
              the square",
@@ -170,7 +170,7 @@ fn point(point: TiedPoint) -> JointPoint {
 
 impl JointAnswer {
     /// Angle in degrees, energy and its error in kT where there is an energy.
-    fn known(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+    fn energies(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
         let points = self.points.iter();
         points.filter_map(|point| {
             let energy = point.energy_kt?;
@@ -194,7 +194,7 @@ impl JointAnswer {
     /// Never for text in memory.
     pub fn to_csv(&self) -> Result<String> {
         let mut table = Table::new(["angle_deg", "energy_kt", "error_kt"]);
-        for (angle, energy, error) in self.known() {
+        for (angle, energy, error) in self.energies() {
             table.push([angle.into(), energy.into(), error.into()])?;
         }
         Ok(table.to_csv()?)
@@ -205,7 +205,7 @@ impl Answer for JointAnswer {
     fn text(&self) -> String {
         let (mut lowest, mut open) = ((f64::NAN, f64::INFINITY), (f64::INFINITY, f64::NAN));
         let mut error = 0.0_f64;
-        for (angle, energy, own) in self.known() {
+        for (angle, energy, own) in self.energies() {
             if energy < lowest.1 {
                 lowest = (angle, energy);
             }
@@ -224,7 +224,7 @@ impl Answer for JointAnswer {
             lowest.0,
             lowest.1,
             open.1,
-            self.known().count(),
+            self.energies().count(),
             self.points.len()
         )
     }

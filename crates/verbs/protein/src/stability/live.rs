@@ -76,7 +76,12 @@ struct LiveAssembly {
 
 impl LiveAssembly {
     /// The same simulation at other poses, in the medium of these settings.
-    fn at(&self, settings: &RunSettings, charged: &Engine, poses: &[Pose]) -> Result<Simulation> {
+    fn simulation(
+        &self,
+        settings: &RunSettings,
+        charged: &Engine,
+        poses: &[Pose],
+    ) -> Result<Simulation> {
         let interaction = settings
             .medium
             .interaction(settings.salt_molar.first().copied())?;
@@ -171,7 +176,7 @@ impl Live for LiveAssembly {
             }
             *pose = Pose::from_wxyz(pose.position, *row);
         }
-        self.simulation = self.at(&self.settings, &self.charged, &poses)?;
+        self.simulation = self.simulation(&self.settings, &self.charged, &poses)?;
         Ok(())
     }
 
@@ -192,7 +197,7 @@ impl Live for LiveAssembly {
             .interaction(settings.salt_molar.first().copied())?;
         let charged = self.engine.in_medium(&settings, &interaction)?;
         let poses = self.simulation.system().poses().to_vec();
-        self.simulation = self.at(&settings, &charged, &poses)?;
+        self.simulation = self.simulation(&settings, &charged, &poses)?;
         (self.settings, self.charged) = (settings, charged);
         Ok(())
     }

@@ -97,7 +97,7 @@ fn desolvated(
 
 impl PreparedTerms {
     /// The terms of two bodies, by the numbers of their kinds.
-    pub fn of(&self, kinds: &[&BodyType], first: usize, second: usize) -> Terms {
+    pub fn terms(&self, kinds: &[&BodyType], first: usize, second: usize) -> Terms {
         let mut terms = Terms::default();
         if let Some(contacts) = &self.contacts {
             let beads = (&kinds[first].beads, &kinds[second].beads);

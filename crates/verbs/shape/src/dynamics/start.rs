@@ -127,7 +127,7 @@ pub(super) fn require_room(
         .min(1.0)
         .powf(1.0 / bodies.dimension() as f64);
     let compressed = in_smaller_box(state, scale);
-    Neighbours::of(bodies, &compressed, &settings.interaction()).with_context(|| {
+    Neighbours::find(bodies, &compressed, &settings.interaction()).with_context(|| {
         format!(
             "{} bodies at a packing fraction of {target}",
             bodies.count()

@@ -76,7 +76,7 @@ pub(super) struct Series<'a> {
 }
 
 impl Equilibrium {
-    pub(super) fn of(series: &Series<'_>) -> Self {
+    pub(super) fn from_series(series: &Series<'_>) -> Self {
         let (pressure, pressure_error) =
             mean_and_error_following(series.pressure, series.observable);
         let drift = drift(series.observable);
@@ -249,7 +249,7 @@ mod tests {
     }
 
     fn verdict(pressure: &[f64], observable: &[f64]) -> Equilibrium {
-        Equilibrium::of(&Series {
+        Equilibrium::from_series(&Series {
             pressure,
             expected_pressure: 4.0,
             observable,

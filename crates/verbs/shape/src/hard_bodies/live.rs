@@ -150,7 +150,7 @@ impl<const D: usize> Live for LiveHardBodies<D> {
         let system = self.simulation.system();
         match name {
             "positions" => {
-                let middle = system.space().at(&[0.5; D]);
+                let middle = system.space().point(&[0.5; D]);
                 for (row, place) in rows.chunks_exact_mut(D.max(2)).zip(system.positions()) {
                     row.fill(0.0);
                     for axis in 0..D {

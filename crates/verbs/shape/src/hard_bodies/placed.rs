@@ -160,7 +160,7 @@ pub(super) fn of_file<const D: usize>(
     // xy, xz, yz in space, xy in a plane.
     let tilts = &given.tilt_factors[..D * (D - 1) / 2];
     let space = PeriodicBox::new(lengths, tilts).with_context(|| given.origin.clone())?;
-    let middle = space.at(&[0.5; D]);
+    let middle = space.point(&[0.5; D]);
     let place =
         |centre: &protomer_kernel::Vec3| std::array::from_fn(|axis| centre[axis] + middle[axis]);
     if D == 2 {

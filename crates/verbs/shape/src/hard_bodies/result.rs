@@ -115,7 +115,7 @@ pub struct MeanBox {
 
 impl MeanBox {
     /// Mean box of the measurements; `None` where the box keeps its shape.
-    pub(super) fn of(rows: &[LogRow]) -> Option<Self> {
+    pub(super) fn from_rows(rows: &[LogRow]) -> Option<Self> {
         let series = |column: fn(&LogRow) -> &Vec<f64>| -> Vec<(f64, Option<f64>)> {
             let count = rows.first().map_or(0, |row| column(row).len());
             let number = |number: usize| {

@@ -249,7 +249,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             return None;
         }
         if let Some(walls) = walls {
-            return Some(Equilibrium::of(&Series {
+            return Some(Equilibrium::from_series(&Series {
                 pressure: &series(&|row| {
                     // Between walls the difference of pressures carries the weight of the bodies.
                     Some(row.lower_wall_pressure? - row.upper_wall_pressure?)
@@ -270,7 +270,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             return None;
         }
         let volume = self.mixture.mean_volume();
-        Some(Equilibrium::of(&Series {
+        Some(Equilibrium::from_series(&Series {
             pressure: &series(&|row| {
                 // βP = Z ρ, with ρ = packing fraction / volume of a body.
                 Some(row.compressibility_factor * row.packing_fraction / volume)
@@ -519,7 +519,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             box_edge: system.space().lengths()[0],
             box_edges: system.space().lengths().to_vec(),
             box_tilt_factors: tilt_factors(system.space()),
-            mean_box: MeanBox::of(rows),
+            mean_box: MeanBox::from_rows(rows),
             sweeps: open
                 .simulation
                 .sweeps()

@@ -130,7 +130,7 @@ fn number_of(vertex: [f32; 3], vertices: &mut Vec<[f32; 3]>) -> usize {
 /// tilt factors.
 pub fn frame<const D: usize>(sweep: u64, system: &System<D>) -> Vec<Chunk> {
     let space = system.space();
-    let middle = space.at(&[0.5; D]);
+    let middle = space.point(&[0.5; D]);
     let (mut positions, mut orientations) = (Vec::new(), Vec::new());
     for (place, rotation) in system.positions().iter().zip(system.rotations()) {
         let mut centre = [0.0_f32; 3];

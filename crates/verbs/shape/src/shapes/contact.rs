@@ -95,7 +95,7 @@ pub fn contacts(path: &Path, interaction: impl Into<Interaction>) -> Result<Cont
 
 fn contact(entry: &PairEntry, interaction: Interaction) -> Result<Contact> {
     let bodies = [&entry.a, &entry.b].map(|name| -> Result<Polytope> {
-        Polytope::of(&read_shape(name)?).with_context(|| name.clone())
+        Polytope::from_shape(&read_shape(name)?).with_context(|| name.clone())
     });
     let [a, b] = bodies;
     let (a, b) = (a?, b?);

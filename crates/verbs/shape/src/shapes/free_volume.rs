@@ -101,7 +101,10 @@ fn measures(file_or_name: &str, rounding_radius: f64) -> Result<BodyMeasures> {
         Some(axes) => (axes.len(), measures_of_ellipsoid(&axes, rounding_radius)),
         None => {
             let shape = read_shape(file_or_name)?;
-            (shape.dimension(), Measures::of(&shape, rounding_radius))
+            (
+                shape.dimension(),
+                Measures::from_shape(&shape, rounding_radius),
+            )
         }
     };
     let measures = measures.with_context(named)?;
@@ -137,7 +140,8 @@ mod tests {
         let thin = scaled_particles("cube", 0.1, &[1e-7], &[0.2]).unwrap().0[0]
             .excess_chemical_potential_kt;
         let shape = read_shape("cube").unwrap();
-        let [body, swept] = [0.1, 0.3].map(|radius| Measures::of(&shape, radius).unwrap().volume);
+        let [body, swept] =
+            [0.1, 0.3].map(|radius| Measures::from_shape(&shape, radius).unwrap().volume);
         assert!((thin / (1e-7 * swept / body) - 1.0).abs() < 1e-6, "{thin}");
         for (shape, packing_fraction, radius, words) in [
             ("polygon:4", 0.1, 0.1, "flat"),

@@ -106,7 +106,8 @@ pub fn measure_shape(
         ));
     }
     let shape = read_shape(file_or_name)?;
-    let measures = Measures::of(&shape, rounding_radius).context(file_or_name.to_owned())?;
+    let measures =
+        Measures::from_shape(&shape, rounding_radius).context(file_or_name.to_owned())?;
     if let (Some(path), Some(format)) = (output, format) {
         let Shape::Solid(Hull::Polyhedron(mesh)) = &shape else {
             bail!("{file_or_name} has no faces, so there is no mesh to write; leave out --output");

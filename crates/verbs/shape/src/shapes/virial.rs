@@ -228,7 +228,7 @@ impl Member {
         let dimension = body.dimension();
         let form = match body {
             BodyShape::Shape(shape) => {
-                let measures = Measures::of(&shape, rounding).with_context(named)?;
+                let measures = Measures::from_shape(&shape, rounding).with_context(named)?;
                 Form::Convex(shape, measures)
             }
             pieces => Form::Pieces(pieces),

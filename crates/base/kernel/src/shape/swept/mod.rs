@@ -70,7 +70,7 @@ impl Swept {
     pub fn new(shape: &Shape, radius: f64, pose: &Pose) -> Result<Self> {
         let holds = radius >= 0.0;
         require("the radius of the ball", radius, "zero or positive", holds)?;
-        let (corners, pieces) = Pieces::of(shape, radius, pose);
+        let (corners, pieces) = Pieces::from_shape(shape, radius, pose);
         Ok(Self {
             dimension: shape.dimension(),
             centre: corners.iter().sum::<Vec3>() / corners.len() as f64,
@@ -128,7 +128,7 @@ impl Swept {
     /// # Ok::<(), protomer_kernel::KernelError>(())
     /// ```
     pub fn overlap(&self, other: &Self) -> f64 {
-        let shared = Shared::of([self, other]);
+        let shared = Shared::from_bodies([self, other]);
         match shared {
             Some(shared) if self.dimension == 2 => shared.area(),
             Some(shared) => shared.volume(),
@@ -156,9 +156,9 @@ struct Shared<'a> {
 
 impl<'a> Shared<'a> {
     /// The common part of two bodies; `None` if no point is inside both.
-    fn of(bodies: [&'a Swept; 2]) -> Option<Self> {
+    fn from_bodies(bodies: [&'a Swept; 2]) -> Option<Self> {
         // A point inside both is the pole of the polar coordinates; without one nothing is shared.
-        let inside = between(bodies)?;
+        let inside = common_point(bodies)?;
         if !bodies.iter().all(|body| body.holds(&inside)) {
             return None;
         }
@@ -247,7 +247,7 @@ impl<'a> Shared<'a> {
 
 /// A point between two bodies, inside of both once they are swept, if there is any. Bodies that overlap
 /// are drawn together to their centres until they touch: they touch at a point of both.
-fn between(bodies: [&Swept; 2]) -> Option<Vec3> {
+fn common_point(bodies: [&Swept; 2]) -> Option<Vec3> {
     let apart = |part: f64| -> Option<ClosestPoints> {
         closest_points(&bodies[0].shrunk(part), &bodies[1].shrunk(part))
     };

@@ -50,8 +50,8 @@ impl HalfSpace {
 
 impl Pieces {
     /// The corners of a shape about its centroid in a pose, and the pieces.
-    pub(super) fn of(shape: &Shape, radius: f64, pose: &Pose) -> (Vec<Vec3>, Self) {
-        match Polytope::of(shape) {
+    pub(super) fn from_shape(shape: &Shape, radius: f64, pose: &Pose) -> (Vec<Vec3>, Self) {
+        match Polytope::from_shape(shape) {
             Ok(body) => Self::of_polytope(&body, radius, pose),
             Err(_) => Self::of_thin(shape, radius, pose),
         }

@@ -95,7 +95,7 @@ impl<'a> Layout<'a> {
                 .position(|(body, _)| std::ptr::eq(*body, placed.body));
             let body = index.unwrap_or(parts.len());
             if index.is_none() {
-                parts.push((placed.body, BodyParts::of(placed.body)));
+                parts.push((placed.body, BodyParts::from_body(placed.body)));
             }
             for part in 0..parts[body].1.chains.len() {
                 chains.push(Chain {
@@ -141,7 +141,7 @@ impl<'a> Layout<'a> {
 }
 
 impl BodyParts {
-    fn of(body: &Body) -> Self {
+    fn from_body(body: &Body) -> Self {
         let mut atoms = vec![Vec::new(); body.residues.len()];
         for (index, site) in body.sites.iter().enumerate() {
             if let Some(residue) = residue_of_atom(body, index)

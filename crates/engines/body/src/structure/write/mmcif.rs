@@ -19,7 +19,7 @@ pub(super) fn text(bodies: &PlacedBodies, layout: &Layout) -> String {
     if let Some(lengths) = bodies.box_angstrom {
         cell(&mut text, lengths);
     }
-    let units = Units::of(layout);
+    let units = Units::from_layout(layout);
     units.tables(&mut text);
     atoms(&mut text, layout, &units);
     text
@@ -98,7 +98,7 @@ struct Units {
 }
 
 impl Units {
-    fn of(layout: &Layout) -> Self {
+    fn from_layout(layout: &Layout) -> Self {
         let mut units = Self::default();
         let mut labels_used = layout.chains.len();
         for chain in &layout.chains {

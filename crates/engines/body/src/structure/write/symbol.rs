@@ -14,7 +14,7 @@
 //!
 //! A name in which nothing is an element gives `X`, the symbol of an unknown one.
 
-use super::super::element::{from_name, known};
+use super::super::element::{from_name, parse_symbol};
 use crate::chemistry::ions::ion;
 use crate::chemistry::radii::radius_angstrom;
 
@@ -35,7 +35,7 @@ pub(super) struct NamedAtom<'a> {
 /// The symbol of the element in upper case.
 pub(super) fn symbol(atom: &NamedAtom) -> &'static str {
     let letters = leading_letters(atom.name);
-    let two = letters.get(..2).and_then(known);
+    let two = letters.get(..2).and_then(parse_symbol);
     let one = match from_name(atom.name) {
         UNKNOWN => None,
         element => Some(element),
@@ -52,7 +52,7 @@ pub(super) fn symbol(atom: &NamedAtom) -> &'static str {
     {
         return ion.element;
     }
-    let whole = known(letters);
+    let whole = parse_symbol(letters);
     if let Some(whole) = whole
         && atom.is_alone
         && atom.residue_name.contains(letters)
@@ -85,7 +85,13 @@ mod tests {
     use super::*;
 
     /// The symbol of an atom with the radius of its true element.
-    fn of(name: &str, residue_name: &str, truth: &str, is_common: bool, is_alone: bool) -> String {
+    fn derived(
+        name: &str,
+        residue_name: &str,
+        truth: &str,
+        is_common: bool,
+        is_alone: bool,
+    ) -> String {
         symbol(&NamedAtom {
             name,
             residue_name,
@@ -113,7 +119,11 @@ mod tests {
             ("CO", "NH2", "C"),
             ("*", "ALA", "X"),
         ] {
-            assert_eq!(of(name, residue, element, true, false), element, "{name}");
+            assert_eq!(
+                derived(name, residue, element, true, false),
+                element,
+                "{name}"
+            );
         }
     }
 
@@ -130,7 +140,11 @@ mod tests {
             ("MN", "MN3", "MN"),
             ("ZN", "ZN", "ZN"),
         ] {
-            assert_eq!(of(name, residue, element, false, true), element, "{name}");
+            assert_eq!(
+                derived(name, residue, element, false, true),
+                element,
+                "{name}"
+            );
         }
         for (name, residue, element) in [
             ("FE", "HEM", "FE"),
@@ -148,7 +162,11 @@ mod tests {
             ("CD", "LIG", "CD"),
             ("O5'", "ATP", "O"),
         ] {
-            assert_eq!(of(name, residue, element, false, false), element, "{name}");
+            assert_eq!(
+                derived(name, residue, element, false, false),
+                element,
+                "{name}"
+            );
         }
     }
 }

@@ -52,7 +52,7 @@ pub(super) struct Edges {
 
 impl Edges {
     /// The signed distance of a point, Å, and what it is nearest to.
-    fn at(&self, lane: usize, probe_radius: f64) -> (f64, Nearest) {
+    fn nearest(&self, lane: usize, probe_radius: f64) -> (f64, Nearest) {
         let value = probe_radius - f64::from(self.squares[lane]).sqrt();
         // Vertices were searched first, so an arc that is noted was nearer than all of them.
         match (self.arcs[lane], self.vertices[lane]) {
@@ -175,7 +175,7 @@ impl SesSolid {
             let lanes = Lanes::new(some.iter().map(|number| &points[*number]), cell);
             let edges = self.nearest_edges(&lanes, &lists, cell);
             for (lane, number) in some.iter().enumerate() {
-                let (mut value, mut nearest) = edges.at(lane, self.probe_radius);
+                let (mut value, mut nearest) = edges.nearest(lane, self.probe_radius);
                 // So near to the surface the sign could be wrong, and signs decide the topology.
                 if value.abs() < self.error_angstrom() {
                     (value, nearest) = self.nearest_alone(&points[*number]);

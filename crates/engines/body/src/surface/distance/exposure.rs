@@ -46,7 +46,7 @@ pub(super) struct Exposure {
 }
 
 impl Exposure {
-    pub(super) fn of(accessible: &Arrangement) -> Self {
+    pub(super) fn from_arrangement(accessible: &Arrangement) -> Self {
         let radii = accessible.expanded_radii_angstrom();
         let mut atoms = vec![false; radii.len()];
         for atom in accessible.exposed_atoms() {

@@ -83,7 +83,7 @@ struct NearestPoint {
 impl SesSolid {
     /// The solid of an accessible surface.
     pub fn new(accessible: &Arrangement) -> Self {
-        let arcs: Vec<CompactArc> = accessible.arcs().iter().map(CompactArc::of).collect();
+        let arcs: Vec<CompactArc> = accessible.arcs().iter().map(CompactArc::from_arc).collect();
         let mut vertices = Vec::with_capacity(accessible.vertices().len());
         for vertex in accessible.vertices() {
             vertices.push(vertex.position);
@@ -98,7 +98,7 @@ impl SesSolid {
             probe_radius: accessible.probe_radius_angstrom(),
             centres: accessible.centres().to_vec(),
             radii: radii.to_vec(),
-            exposure: Exposure::of(accessible),
+            exposure: Exposure::from_arrangement(accessible),
             arcs,
             vertices,
             cover,
@@ -416,7 +416,7 @@ impl ImplicitSolid for SesSolid {
 }
 
 impl CompactArc {
-    fn of(arc: &Arc) -> Self {
+    fn from_arc(arc: &Arc) -> Self {
         Self {
             centre: arc.centre,
             axis: arc.axis,

@@ -37,7 +37,7 @@ impl Patches {
     }
 
     /// The patch that a vertex of the dual belongs to.
-    pub(super) fn of(&self, vertex: u32) -> u32 {
+    pub(super) fn patch(&self, vertex: u32) -> u32 {
         let patch = self.patch[vertex as usize];
         if self.apart[patch as usize] {
             vertex

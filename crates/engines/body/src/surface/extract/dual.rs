@@ -182,11 +182,11 @@ impl March<'_> {
     fn find_blocks(&mut self) {
         let mut count = 0;
         for (number, region) in (0..).zip(&self.lattice.regions) {
-            let after = Neighbours::of(region.place, self.lattice);
+            let after = Neighbours::from_cell(region.place, self.lattice);
             for block in bits(region.blocks) {
                 count += 1;
                 let words = after.words(node_at(block));
-                let Some(rim) = Rim::of(words) else {
+                let Some(rim) = Rim::from_words(words) else {
                     continue;
                 };
                 let (mut plain, mut cellwise) = (0, 0);
@@ -447,7 +447,7 @@ struct Neighbours<'a> {
 }
 
 impl<'a> Neighbours<'a> {
-    fn of(place: Cell, lattice: &'a SparseLattice) -> Self {
+    fn from_cell(place: Cell, lattice: &'a SparseLattice) -> Self {
         let regions = std::array::from_fn(|after| lattice.index(&at_corner(place, after)));
         Self { lattice, regions }
     }
@@ -471,7 +471,7 @@ impl Rim {
     /// The rows of a block, given with the seven after it; `None` if all nodes are on one side. The
     /// nodes of a block that is not there are on the side of their neighbours in this block, since
     /// no cell with a corner there is crossed.
-    fn of(words: [Option<u64>; 8]) -> Option<Self> {
+    fn from_words(words: [Option<u64>; 8]) -> Option<Self> {
         let block_word = words[0]?;
         let is_uniform = block_word == 0 || block_word == u64::MAX;
         // Uniform with neighbours of the same side: nothing

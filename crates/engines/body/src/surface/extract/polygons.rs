@@ -57,7 +57,7 @@ fn count_edges(dual: &Dual, patches: &mut Patches) -> (EdgeCounts, bool) {
 
 /// The patches around a quadrangle, in order: 3 or 4, or 0 if there are fewer.
 fn polygon(quad: &Quad, patches: &Patches) -> ([u32; 4], usize) {
-    let around = quad.corners.map(|vertex| patches.of(vertex));
+    let around = quad.corners.map(|vertex| patches.patch(vertex));
     let (mut polygon, mut count) = ([0; 4], 0);
     for i in 0..4 {
         // Corners with the patch of the one before fall
@@ -127,7 +127,7 @@ impl<'a> Builder<'a> {
         let mut sums: Vec<(f64, Vec3)> = Vec::new();
         for (vertex, tile) in (0..).zip(&self.dual.tiles) {
             // The vertex's number is that of its patch, given when the patch is first met.
-            let number = &mut self.number[self.patches.of(vertex) as usize];
+            let number = &mut self.number[self.patches.patch(vertex) as usize];
             if *number == NOTHING {
                 *number = sums.len() as u32;
                 sums.push((0.0, Vec3::zeros()));

@@ -249,7 +249,7 @@ impl<'a> Remesher<'a> {
             for spoke in self.mesh.leaving(vertex) {
                 ring.push(self.mesh.position(self.mesh.ends(spoke).1));
             }
-            if let Some(pull) = Pull::of(&self.mesh.position(vertex), &ring) {
+            if let Some(pull) = Pull::from_ring(&self.mesh.position(vertex), &ring) {
                 self.move_along_surface(vertex, &pull, onto, &ring);
             }
         }
@@ -347,7 +347,7 @@ struct Pull {
 
 impl Pull {
     /// The pull on a vertex; `None` without triangles, or with triangles without area.
-    fn of(position: &Vec3, ring: &[Vec3]) -> Option<Self> {
+    fn from_ring(position: &Vec3, ring: &[Vec3]) -> Option<Self> {
         let (mut area, mut centre, mut vector) = (0.0, Vec3::zeros(), Vec3::zeros());
         for (p, q) in sides(ring) {
             let (p, q) = (p - position, q - position);

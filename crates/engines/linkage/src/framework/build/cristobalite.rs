@@ -25,7 +25,7 @@ const BOND_ANGSTROM: f64 = 2.0;
 /// use protomer_linkage::framework::{Elasticity, build::alpha_cristobalite};
 /// let network = alpha_cristobalite(1.0, 100.0, 1.0)?;
 /// assert_eq!((network.nodes_angstrom.len(), network.rods.len(), network.hinges.len()), (12, 40, 72));
-/// let c = Elasticity::of(&network)?.stiffness;
+/// let c = Elasticity::from_framework(&network)?.stiffness;
 /// // Tetragonal: x and y are alike.
 /// assert!((c[(0, 0)] / c[(1, 1)] - 1.0).abs() < 1e-9);
 /// # Ok::<(), protomer_linkage::CrystalError>(())
@@ -111,8 +111,8 @@ fn corners_of(framework: &Framework, centre: usize, distance: f64) -> Vec<Neighb
     for node in 4..framework.nodes_angstrom.len() {
         for code in 0..125 {
             let image = [code / 25 - 2, code / 5 % 5 - 2, code % 5 - 2];
-            let corner = Neighbour::there(node, &image);
-            let way = framework.difference(&Neighbour::here(centre), &corner);
+            let corner = Neighbour::in_image(node, &image);
+            let way = framework.difference(&Neighbour::in_own_cell(centre), &corner);
             if way.iter().map(|x| x * x).sum::<f64>() < distance * distance {
                 corners.push(corner);
             }

@@ -18,7 +18,7 @@ const FACE_CENTRED: [[f64; 3]; 4] = [
 ///
 /// ```
 /// use protomer_linkage::framework::{Elasticity, build::face_centred_cubic};
-/// let stiffness = Elasticity::of(&face_centred_cubic(3.0, 7.0)?)?.stiffness;
+/// let stiffness = Elasticity::from_framework(&face_centred_cubic(3.0, 7.0)?)?.stiffness;
 /// assert!((stiffness[(0, 0)] - 2.0 * 7.0 / 3.0).abs() < 1e-12);
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
@@ -35,9 +35,9 @@ pub fn face_centred_cubic(edge_angstrom: f64, ks: f64) -> Result<Framework> {
 ///
 /// ```
 /// use protomer_linkage::framework::{Elasticity, build::diamond};
-/// let floppy = Elasticity::of(&diamond(3.0, 7.0, 0.0)?)?;
+/// let floppy = Elasticity::from_framework(&diamond(3.0, 7.0, 0.0)?)?;
 /// assert_eq!(floppy.mechanisms.len(), 5);
-/// let hinged = Elasticity::of(&diamond(3.0, 7.0, 1.0)?)?;
+/// let hinged = Elasticity::from_framework(&diamond(3.0, 7.0, 1.0)?)?;
 /// assert!(hinged.mechanisms.is_empty());
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
@@ -80,7 +80,7 @@ fn rods_between(sites: &[[f64; 3]], [from, to]: [usize; 2], distance: f64, ks: f
         let once = from < to || (from == to && image > [0, 0, 0]);
         let apart = distance_to_image(&sites[from], &sites[to], image);
         if once && (apart - distance).abs() < 1e-9 {
-            rods.push(rod(from, Neighbour::there(to, &image), ks));
+            rods.push(rod(from, Neighbour::in_image(to, &image), ks));
         }
     }
     rods

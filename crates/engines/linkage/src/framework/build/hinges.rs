@@ -31,7 +31,7 @@ pub(in crate::framework) fn rods_at(rods: &[Rod], vertex: usize) -> Vec<Neighbou
 
 /// The angle in the plane under which a node sees a neighbour.
 pub(super) fn bearing(framework: &Framework, vertex: usize, end: &Neighbour) -> f64 {
-    let d = framework.difference(&Neighbour::here(vertex), end);
+    let d = framework.difference(&Neighbour::in_own_cell(vertex), end);
     d[1].atan2(d[0])
 }
 

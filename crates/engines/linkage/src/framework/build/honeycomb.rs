@@ -1,7 +1,7 @@
 //! Hexagonal honeycombs and arrowheads: ribs that hinge.
 
 use super::hinges::{hinge, hinge_neighbouring_rods};
-use super::{at, degrees, network, rod};
+use super::{degrees, neighbour, network, rod};
 use crate::error::{Result, require, require_positive};
 use crate::framework::analytic::Honeycomb;
 use crate::framework::model::{Framework, Neighbour};
@@ -20,7 +20,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 ///     rod_stiffness_kcal_mol_angstrom2: 10_000.0,
 ///     thickness_angstrom: 1.0,
 /// };
-/// let compliance = Elasticity::of(&honeycomb(&made_of)?)?.compliance().unwrap();
+/// let compliance = Elasticity::from_framework(&honeycomb(&made_of)?)?.compliance().unwrap();
 /// let poissons_ratio = -compliance[(1, 0)] / compliance[(0, 0)];
 /// assert!((poissons_ratio + 0.961).abs() < 1e-3); // table 3: -0.961
 /// # Ok::<(), protomer_linkage::CrystalError>(())
@@ -51,12 +51,12 @@ pub fn honeycomb(made_of: &Honeycomb) -> Result<Framework> {
         vec![l * sine, l * cosine - h],
     ];
     let ribs = [
-        (0, at(1, 0, 0)),
-        (2, at(3, 0, 0)),
-        (0, at(2, 0, 0)),
-        (0, at(2, -1, 0)),
-        (1, at(3, 0, 1)),
-        (1, at(3, -1, 1)),
+        (0, neighbour(1, 0, 0)),
+        (2, neighbour(3, 0, 0)),
+        (0, neighbour(2, 0, 0)),
+        (0, neighbour(2, -1, 0)),
+        (1, neighbour(3, 0, 1)),
+        (1, neighbour(3, -1, 1)),
     ];
     let ks = made_of.rod_stiffness_kcal_mol_angstrom2;
     let rods = ribs.map(|(from, to)| rod(from, to, ks)).to_vec();
@@ -72,14 +72,14 @@ pub fn honeycomb(made_of: &Honeycomb) -> Result<Framework> {
 /// Vertex, end of the h rib and end of an l rib of every angle θ.
 fn honeycomb_angles() -> [(usize, Neighbour, Neighbour); 8] {
     [
-        (0, at(1, 0, 0), at(2, 0, 0)),
-        (0, at(1, 0, 0), at(2, -1, 0)),
-        (1, at(0, 0, 0), at(3, 0, 1)),
-        (1, at(0, 0, 0), at(3, -1, 1)),
-        (2, at(3, 0, 0), at(0, 0, 0)),
-        (2, at(3, 0, 0), at(0, 1, 0)),
-        (3, at(2, 0, 0), at(1, 0, -1)),
-        (3, at(2, 0, 0), at(1, 1, -1)),
+        (0, neighbour(1, 0, 0), neighbour(2, 0, 0)),
+        (0, neighbour(1, 0, 0), neighbour(2, -1, 0)),
+        (1, neighbour(0, 0, 0), neighbour(3, 0, 1)),
+        (1, neighbour(0, 0, 0), neighbour(3, -1, 1)),
+        (2, neighbour(3, 0, 0), neighbour(0, 0, 0)),
+        (2, neighbour(3, 0, 0), neighbour(0, 1, 0)),
+        (3, neighbour(2, 0, 0), neighbour(1, 0, -1)),
+        (3, neighbour(2, 0, 0), neighbour(1, 1, -1)),
     ]
 }
 
@@ -91,7 +91,7 @@ fn honeycomb_angles() -> [(usize, Neighbour, Neighbour); 8] {
 /// ```
 /// use protomer_linkage::framework::{Elasticity, Moduli, build::arrowhead};
 /// let net = arrowhead(2.0, 0.5, 1.1, 1000.0, 10.0)?;
-/// let moduli = Moduli::new(&Elasticity::of(&net)?, 1.0);
+/// let moduli = Moduli::new(&Elasticity::from_framework(&net)?, 1.0);
 /// assert!(moduli.poissons[0][1].unwrap() < 0.0); // auxetic
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
@@ -123,7 +123,12 @@ pub fn arrowhead(
     // to its tip, short ribs to the tip of the arrow below.
     let cell = vec![vec![width_angstrom, 0.0], vec![0.0, tall - short]];
     let nodes = vec![vec![0.0, tall], vec![half, 0.0]];
-    let tips = [at(0, 0, 0), at(0, 1, 0), at(0, 0, -1), at(0, 1, -1)];
+    let tips = [
+        neighbour(0, 0, 0),
+        neighbour(0, 1, 0),
+        neighbour(0, 0, -1),
+        neighbour(0, 1, -1),
+    ];
     let ribs = tips.map(|tip| rod(1, tip, ks)).to_vec();
     let mut framework = network(cell, nodes, ribs);
     hinge_neighbouring_rods(&mut framework, kh);

@@ -49,8 +49,8 @@ fn rod(from: usize, to: Neighbour, stiffness_kcal_mol_angstrom2: f64) -> Rod {
 }
 
 /// A node in the cell y, z cells away.
-fn at(node: usize, y: i32, z: i32) -> Neighbour {
-    Neighbour::there(node, &[y, z])
+fn neighbour(node: usize, y: i32, z: i32) -> Neighbour {
+    Neighbour::in_image(node, &[y, z])
 }
 
 /// Degrees for a message: without the last bits, which a conversion there and back changes.

@@ -1,7 +1,7 @@
 //! Stiff squares and triangles, joined at corners or by rods.
 
 use super::hinges::{bearing, hinge, hinge_neighbouring_rods};
-use super::{at, degrees, network, rod};
+use super::{degrees, neighbour, network, rod};
 use crate::error::{Result, require, require_positive};
 use crate::framework::model::{Framework, Neighbour};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, FRAC_PI_4, FRAC_PI_6, PI};
@@ -19,7 +19,7 @@ type Polygon = Vec<Neighbour>;
 /// use protomer_linkage::framework::{Elasticity, Moduli, build::rotating_squares};
 /// let (side, angle, kh) = (2.0, 0.4_f64, 1.0);
 /// let net = rotating_squares(side, angle, 1e7, kh)?;
-/// let moduli = Moduli::new(&Elasticity::of(&net)?, 1.0);
+/// let moduli = Moduli::new(&Elasticity::from_framework(&net)?, 1.0);
 /// let published = 8.0 * kh / (side * side * (1.0 - (2.0 * angle).cos()));
 /// assert!((moduli.youngs_gpa[0].unwrap() / published - 1.0).abs() < 1e-4);
 /// assert!((moduli.poissons[0][1].unwrap() + 1.0).abs() < 1e-4);
@@ -50,12 +50,32 @@ pub fn rotating_squares(side_angstrom: f64, angle_rad: f64, ks: f64, kh: f64) ->
         }
     }
     let squares = [
-        [at(0, 0, 0), at(1, 0, 0), at(2, 0, 0), at(3, 0, 0)],
-        [at(4, 0, 0), at(5, 0, 0), at(6, 0, 0), at(7, 0, 0)],
+        [
+            neighbour(0, 0, 0),
+            neighbour(1, 0, 0),
+            neighbour(2, 0, 0),
+            neighbour(3, 0, 0),
+        ],
+        [
+            neighbour(4, 0, 0),
+            neighbour(5, 0, 0),
+            neighbour(6, 0, 0),
+            neighbour(7, 0, 0),
+        ],
         // B at (c/2, 0): its west corner is the east corner of A, and so on.
-        [at(2, 1, 0), at(7, 0, 0), at(0, 0, 0), at(5, 0, -1)],
+        [
+            neighbour(2, 1, 0),
+            neighbour(7, 0, 0),
+            neighbour(0, 0, 0),
+            neighbour(5, 0, -1),
+        ],
         // B at (0, c/2).
-        [at(6, 0, 0), at(3, 0, 1), at(4, -1, 0), at(1, 0, 0)],
+        [
+            neighbour(6, 0, 0),
+            neighbour(3, 0, 1),
+            neighbour(4, -1, 0),
+            neighbour(1, 0, 0),
+        ],
     ]
     .map(Vec::from);
     let cell = vec![vec![edge, 0.0], vec![0.0, edge]];
@@ -74,7 +94,7 @@ pub fn rotating_squares(side_angstrom: f64, angle_rad: f64, ks: f64, kh: f64) ->
 /// use protomer_linkage::framework::{Elasticity, Moduli, build::rotating_triangles};
 /// let (side, angle, kh) = (2.0, 0.4_f64, 1.0);
 /// let net = rotating_triangles(side, angle, 1e7, kh)?;
-/// let moduli = Moduli::new(&Elasticity::of(&net)?, 1.0);
+/// let moduli = Moduli::new(&Elasticity::from_framework(&net)?, 1.0);
 /// let published = 48f64.sqrt() * kh / (side * side * (1.0 - (2.0 * angle).cos()));
 /// assert!((moduli.youngs_gpa[0].unwrap() / published - 1.0).abs() < 1e-4);
 /// # Ok::<(), protomer_linkage::CrystalError>(())
@@ -103,8 +123,8 @@ pub fn rotating_triangles(
     }
     // The corners of the triangle upside down are corners of three upright ones around it.
     let triangles = [
-        vec![at(0, 0, 0), at(1, 0, 0), at(2, 0, 0)],
-        vec![at(0, 0, 0), at(2, 0, 1), at(1, 1, 0)],
+        vec![neighbour(0, 0, 0), neighbour(1, 0, 0), neighbour(2, 0, 0)],
+        vec![neighbour(0, 0, 0), neighbour(2, 0, 1), neighbour(1, 1, 0)],
     ];
     let cell = vec![vec![edge, 0.0], vec![0.5 * edge, 0.5 * 3f64.sqrt() * edge]];
     let mut framework = stiff_polygons(cell, nodes, &triangles, ks);
@@ -172,21 +192,21 @@ fn corners_of_four_squares(l: f64, spacing: f64, angle_rad: f64) -> Vec<Vec<f64>
 }
 
 fn square_of_corners(square: usize) -> Polygon {
-    (0..4).map(|k| at(4 * square + k, 0, 0)).collect()
+    (0..4).map(|k| neighbour(4 * square + k, 0, 0)).collect()
 }
 
 /// The rods of table I of the paper on the lattice: from a node to a node or its image.
 fn lattice_links() -> [(usize, Neighbour); 8] {
     let node = |square: usize, vertex: usize| 4 * square + vertex - 1;
     [
-        (node(0, 4), at(node(1, 3), 0, 0)),
-        (node(0, 3), at(node(2, 1), 0, 0)),
-        (node(1, 2), at(node(0, 1), 1, 0)),
-        (node(1, 4), at(node(3, 2), 0, 0)),
-        (node(2, 2), at(node(3, 1), 0, 0)),
-        (node(2, 4), at(node(0, 2), 0, -1)),
-        (node(3, 4), at(node(2, 3), 1, 0)),
-        (node(3, 3), at(node(1, 1), 0, -1)),
+        (node(0, 4), neighbour(node(1, 3), 0, 0)),
+        (node(0, 3), neighbour(node(2, 1), 0, 0)),
+        (node(1, 2), neighbour(node(0, 1), 1, 0)),
+        (node(1, 4), neighbour(node(3, 2), 0, 0)),
+        (node(2, 2), neighbour(node(3, 1), 0, 0)),
+        (node(2, 4), neighbour(node(0, 2), 0, -1)),
+        (node(3, 4), neighbour(node(2, 3), 1, 0)),
+        (node(3, 3), neighbour(node(1, 1), 0, -1)),
     ]
 }
 

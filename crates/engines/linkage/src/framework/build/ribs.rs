@@ -2,7 +2,7 @@
 
 use super::hinges::{hinge, hinge_neighbouring_rods};
 use super::polygons::stiff_polygons;
-use super::{at, degrees, network, rod};
+use super::{degrees, neighbour, network, rod};
 use crate::error::{CrystalError, Result, require, require_positive};
 use crate::framework::model::{Framework, Neighbour};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -37,7 +37,7 @@ pub struct MissingRib {
 /// let made_of = MissingRib {
 ///     arm_angstrom: 1.0, rib_angstrom: 1.6, angle_rad: 0.5, ks: 1e6, kh: 2.0, cross_kh: 1e6,
 /// };
-/// let moduli = Moduli::new(&Elasticity::of(&missing_rib(&made_of)?)?, 1.0);
+/// let moduli = Moduli::new(&Elasticity::from_framework(&missing_rib(&made_of)?)?, 1.0);
 /// let rigid = 2.0 / (2.0 * 0.5_f64.sin().powi(2));
 /// assert!((moduli.youngs_gpa[0].unwrap() / rigid - 1.0).abs() < 1e-4);
 /// assert!(moduli.poissons[0][1].unwrap().abs() < 1e-4);
@@ -70,22 +70,27 @@ pub fn missing_rib(made_of: &MissingRib) -> Result<Framework> {
     let ks = made_of.ks;
     let mut rods = Vec::with_capacity(6);
     for elbow in 1..=4 {
-        rods.push(rod(0, at(elbow, 0, 0), ks));
+        rods.push(rod(0, neighbour(elbow, 0, 0), ks));
     }
     // Elbows: 1 to the right, 2 up, 3 to the left, 4 down.
-    rods.push(rod(1, at(3, 1, 0), ks));
-    rods.push(rod(2, at(4, 0, 1), ks));
+    rods.push(rod(1, neighbour(3, 1, 0), ks));
+    rods.push(rod(2, neighbour(4, 0, 1), ks));
     let mut framework = network(vec![vec![edge, 0.0], vec![0.0, edge]], nodes, rods);
     if made_of.kh != 0.0 {
-        let beyond = [at(3, 1, 0), at(4, 0, 1), at(1, -1, 0), at(2, 0, -1)];
+        let beyond = [
+            neighbour(3, 1, 0),
+            neighbour(4, 0, 1),
+            neighbour(1, -1, 0),
+            neighbour(2, 0, -1),
+        ];
         for (index, far) in beyond.into_iter().enumerate() {
-            let between = [at(0, 0, 0), far];
+            let between = [neighbour(0, 0, 0), far];
             framework.hinges.push(hinge(index + 1, between, made_of.kh));
         }
     }
     if made_of.cross_kh != 0.0 {
         for elbow in 1..=4 {
-            let between = [at(elbow, 0, 0), at(elbow % 4 + 1, 0, 0)];
+            let between = [neighbour(elbow, 0, 0), neighbour(elbow % 4 + 1, 0, 0)];
             framework.hinges.push(hinge(0, between, made_of.cross_kh));
         }
     }
@@ -101,7 +106,7 @@ pub fn missing_rib(made_of: &MissingRib) -> Result<Framework> {
 /// ```
 /// use protomer_linkage::framework::build::stars;
 /// use protomer_linkage::framework::{Elasticity, Moduli};
-/// let moduli = Moduli::new(&Elasticity::of(&stars(4, 1.0, 0.5, 0.6, 1e6, 1.0)?)?, 1.0);
+/// let moduli = Moduli::new(&Elasticity::from_framework(&stars(4, 1.0, 0.5, 0.6, 1e6, 1.0)?)?, 1.0);
 /// assert!(moduli.poissons[0][1].unwrap() > 0.6_f64.sin());
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
@@ -141,11 +146,19 @@ pub fn stars(
     }
     let mut rods = Vec::with_capacity(2 * points + points / 2);
     for corner in 0..2 * points {
-        rods.push(rod(corner, at((corner + 1) % (2 * points), 0, 0), ks));
+        rods.push(rod(
+            corner,
+            neighbour((corner + 1) % (2 * points), 0, 0),
+            ks,
+        ));
     }
     for (direction, image) in neighbours(points).into_iter().enumerate() {
         let opposite = 2 * direction + points;
-        rods.push(rod(2 * direction, at(opposite, image[0], image[1]), ks));
+        rods.push(rod(
+            2 * direction,
+            neighbour(opposite, image[0], image[1]),
+            ks,
+        ));
     }
     let spacing = 2.0 * point + rib_angstrom;
     let mut framework = network(cell(points, spacing), nodes, rods);
@@ -166,7 +179,7 @@ pub fn stars(
 /// use protomer_linkage::framework::build::chiral;
 /// use protomer_linkage::framework::{Elasticity, Moduli};
 /// let (radius, ligament, kh) = (0.5_f64, 2.0_f64, 3.0);
-/// let moduli = Moduli::new(&Elasticity::of(&chiral(6, radius, ligament, 1e9, kh)?)?, 1.0);
+/// let moduli = Moduli::new(&Elasticity::from_framework(&chiral(6, radius, ligament, 1e9, kh)?)?, 1.0);
 /// let square = ligament * ligament + 4.0 * radius * radius;
 /// let rigid = 3f64.sqrt() * kh * square / (radius * ligament).powi(2);
 /// assert!((moduli.youngs_gpa[0].unwrap() / rigid - 1.0).abs() < 1e-5);
@@ -197,15 +210,15 @@ pub fn chiral(
             radius_angstrom * direction.sin(),
         ]);
     }
-    let wheel: Vec<Neighbour> = (0..spokes).map(|spoke| at(spoke, 0, 0)).collect();
+    let wheel: Vec<Neighbour> = (0..spokes).map(|spoke| neighbour(spoke, 0, 0)).collect();
     let mut framework = stiff_polygons(cell(spokes, spacing), nodes, &[wheel], ks);
     let half = spokes / 2;
     for (spoke, image) in neighbours(spokes).into_iter().enumerate() {
-        let far = at(spoke + half, image[0], image[1]);
-        let near = at(spoke, -image[0], -image[1]);
+        let far = neighbour(spoke + half, image[0], image[1]);
+        let near = neighbour(spoke, -image[0], -image[1]);
         framework.rods.push(rod(spoke, far.clone(), ks));
         if kh != 0.0 {
-            let [here, there] = [at(spoke, 0, 0), at(spoke + half, 0, 0)];
+            let [here, there] = [neighbour(spoke, 0, 0), neighbour(spoke + half, 0, 0)];
             framework.hinges.push(hinge(spoke, [there, far], kh));
             framework.hinges.push(hinge(spoke + half, [here, near], kh));
         }

@@ -260,33 +260,35 @@ impl Cholesky {
                     }
                     remainder.sqrt()
                 } else {
-                    remainder / cholesky.at(column, column)
+                    remainder / cholesky.element(column, column)
                 };
             }
         }
         Some(cholesky)
     }
 
-    fn at(&self, row: usize, column: usize) -> f64 {
+    fn element(&self, row: usize, column: usize) -> f64 {
         self.factor[row * self.size + column]
     }
 
     /// Σ L_rk L_ck over the columns k before c.
     fn product_of_rows(&self, row: usize, column: usize) -> f64 {
         (0..column)
-            .map(|k| self.at(row, k) * self.at(column, k))
+            .map(|k| self.element(row, k) * self.element(column, k))
             .sum()
     }
 
     /// Replaces b by W⁻¹ b.
     fn solve(&self, b: &mut [f64]) {
         for row in 0..self.size {
-            let partial_sum: f64 = (0..row).map(|k| self.at(row, k) * b[k]).sum();
-            b[row] = (b[row] - partial_sum) / self.at(row, row);
+            let partial_sum: f64 = (0..row).map(|k| self.element(row, k) * b[k]).sum();
+            b[row] = (b[row] - partial_sum) / self.element(row, row);
         }
         for row in (0..self.size).rev() {
-            let partial_sum: f64 = (row + 1..self.size).map(|k| self.at(k, row) * b[k]).sum();
-            b[row] = (b[row] - partial_sum) / self.at(row, row);
+            let partial_sum: f64 = (row + 1..self.size)
+                .map(|k| self.element(k, row) * b[k])
+                .sum();
+            b[row] = (b[row] - partial_sum) / self.element(row, row);
         }
     }
 }

@@ -56,7 +56,7 @@ impl<'a> Path<'a> {
         bend
     }
 
-    fn at(&self, time: f64) -> impl Fn(usize) -> Moving + Copy + '_ {
+    fn state(&self, time: f64) -> impl Fn(usize) -> Moving + Copy + '_ {
         let share = time / self.length;
         move |p| {
             let bend = self.bend(p);
@@ -189,10 +189,10 @@ impl<'a> Path<'a> {
     }
 
     fn march_pair(&self, pair: &Pair) -> End {
-        let (a, b) = bodies(self.network, pair, self.at(0.0));
+        let (a, b) = bodies(self.network, pair, self.state(0.0));
         let curvature = self.curvature(pair, &a, &b);
         let probe = |time: f64| {
-            let (a, b) = bodies(self.network, pair, self.at(time));
+            let (a, b) = bodies(self.network, pair, self.state(time));
             Probe {
                 functions: along_axes(&a, &b),
                 to_kink: time_to_next_corner(&a, &b),
@@ -205,14 +205,14 @@ impl<'a> Path<'a> {
         let ends = self.network.rods[rod];
         let (near, far) = (ends.corner_at(end).square, ends.corner_at(1 - end).square);
         let pull = self.corner_acceleration(near) + self.corner_acceleration(far);
-        let body = Rectangle::rod(self.network, rod, self.at(0.0));
+        let body = Rectangle::rod(self.network, rod, self.state(0.0));
         let limits = self.limits(near);
         let speed = body.spin.abs() * ends.length + pull * self.length;
         let curvature = pull
             + 2.0 * speed * limits.spin
             + ends.length * (limits.spin * limits.spin + limits.spin_change);
         let probe = |time: f64| Probe {
-            functions: stop(self.network, rod, end, self.at(time)),
+            functions: stop(self.network, rod, end, self.state(time)),
             to_kink: f64::INFINITY,
         };
         first_root(probe, curvature, self.length)

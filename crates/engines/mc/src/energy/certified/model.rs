@@ -108,7 +108,7 @@ impl Certified {
     }
 
     /// The pair at its present pose; `None` beyond the reach.
-    fn known(&self, pair: &Pair<'_>) -> Option<Arc<Known>> {
+    fn stored(&self, pair: &Pair<'_>) -> Option<Arc<Known>> {
         // Before any allocation: most pairs that are asked for are out of reach.
         if !self.reach.is_met(pair) {
             return None;
@@ -124,7 +124,7 @@ impl Certified {
         images: impl Iterator<Item = RelativePose>,
     ) -> Option<Arc<Known>> {
         let (types, images) = (pair.type_indices(), images.collect::<SmallVec<_>>());
-        let far_kt = |image: &RelativePose| self.far.at(types, image.translation.norm());
+        let far_kt = |image: &RelativePose| self.far.energy(types, image.translation.norm());
         let energies = Known {
             bodies: (pair.first, pair.second),
             types,
@@ -214,7 +214,7 @@ impl Certified {
 
     /// The energy with a partner after the move, if they interact there; it is proposed.
     fn after(&mut self, trial: &Trial<'_>, partner: usize) -> Option<Summand> {
-        let energies = self.known(&trial.pair(partner))?;
+        let energies = self.stored(&trial.pair(partner))?;
         self.proposed.push(Arc::clone(&energies));
         Some(Summand::new(energies, 1.0))
     }
@@ -273,7 +273,7 @@ impl EnergyModel for Certified {
     fn reset(&mut self, system: &System) -> Result<()> {
         self.prepare(system);
         self.energies = all_pairs(system, |pair| {
-            let Some(energies) = self.known(pair) else {
+            let Some(energies) = self.stored(pair) else {
                 return Ok(None);
             };
             // Found once here, so that an energy that is not finite ends a run at its start.
@@ -351,7 +351,7 @@ impl EnergyModel for Certified {
         let reach_of_all = Reach::new(system, &self.potential);
         sum_of_pairs(system, pairs, |pair| match effort {
             Effort::Quick => {
-                let energies = self.known(pair);
+                let energies = self.stored(pair);
                 let energy = energies.map(|energies| self.interval(&energies, CELLS));
                 Ok(energy.transpose()?.map(|interval| interval.energy_kt))
             }

@@ -106,7 +106,7 @@ impl Calibration {
     }
 
     /// The scales for a list.
-    pub(super) fn of(&self, list: &List) -> &ListScales {
+    pub(super) fn scales(&self, list: &List) -> &ListScales {
         // Nothing to compare: the energies are zero at every level.
         match list.is_contact {
             true => &self.contact,

@@ -94,7 +94,7 @@ impl Levels {
         if old.as_ref().map_or(0, |energies| energies.images.len())
             != self.far.near_images(&present)
         {
-            old = self.known(&present, Images::Near);
+            old = self.stored(&present, Images::Near);
         }
         let poses = self.image_poses(&trial.pair(partner), Images::Near);
         // Within a tolerance energies are functions of the poses alone.
@@ -106,7 +106,7 @@ impl Levels {
             // new points are cheaper than finer levels.
             if energies.is_due(&poses, &lists) {
                 // New lists for where the pair is now.
-                old = self.known(&present, Images::Near);
+                old = self.stored(&present, Images::Near);
                 if let Some(fresh) = &old {
                     lists = fresh.lists_at(&poses);
                     // The old energy is replaced for good, so that
@@ -120,7 +120,7 @@ impl Levels {
 
     /// Change of the energy of the images of one partner that are far away.
     fn far_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
-        let old = self.known(&trial.system.pair(trial.body, partner), Images::Far);
+        let old = self.stored(&trial.system.pair(trial.body, partner), Images::Far);
         let poses = self.image_poses(&trial.pair(partner), Images::Far);
         let lists = old.as_deref().map(|energies| energies.lists_at(&poses));
         let lists = lists.unwrap_or_default();

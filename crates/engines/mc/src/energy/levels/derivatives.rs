@@ -57,7 +57,11 @@ fn by_order<const FUSED: bool>(
     [in_y, in_z]: &[Functions; 2],
     [x, y, z]: [f32; 3],
 ) -> ByOrder {
-    let sums = in_y_and_z::<FUSED>(series, &in_y.at::<FUSED>(y), &in_z.at::<FUSED>(z));
+    let sums = in_y_and_z::<FUSED>(
+        series,
+        &in_y.evaluate::<FUSED>(y),
+        &in_z.evaluate::<FUSED>(z),
+    );
     in_x::<FUSED>(&sums, x)
 }
 
@@ -172,10 +176,10 @@ const POWERS: [[[f32; 4]; 3]; COARSE] = [
     ],
 ];
 
-static FUNCTIONS: [Functions; 2] = [Functions::of(IN_Y), Functions::of(IN_Z)];
+static FUNCTIONS: [Functions; 2] = [Functions::from_orders(IN_Y), Functions::from_orders(IN_Z)];
 
 impl Functions {
-    const fn of(orders: [usize; LANES]) -> Self {
+    const fn from_orders(orders: [usize; LANES]) -> Self {
         let mut lanes = [[[0.0; LANES]; 4]; COARSE];
         let mut place = 0;
         while place < COARSE * 4 * LANES {
@@ -187,7 +191,7 @@ impl Functions {
     }
 
     #[inline(always)]
-    fn at<const FUSED: bool>(&self, t: f32) -> [[f32; LANES]; COARSE] {
+    fn evaluate<const FUSED: bool>(&self, t: f32) -> [[f32; LANES]; COARSE] {
         let mut values = [[0.0; LANES]; COARSE];
         for n in 0..COARSE {
             for lane in 0..LANES {

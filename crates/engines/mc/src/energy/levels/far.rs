@@ -89,11 +89,11 @@ impl Far {
         if !self.nearest_only {
             let images = self.reach.images(pair).filter(is_far);
             return images
-                .map(|image| self.energies.at(types, image.norm()))
+                .map(|image| self.energies.energy(types, image.norm()))
                 .sum();
         }
         match self.reach.is_met(pair) && is_far(&pair.displacement) {
-            true => self.energies.at(types, pair.displacement.norm()),
+            true => self.energies.energy(types, pair.displacement.norm()),
             false => 0.0,
         }
     }

@@ -104,8 +104,10 @@ impl Fine {
             high = add::<FUSED>(f32::from(self.high[1][lane]), high_z[1], high);
             high = add::<FUSED>(f32::from(self.high[2][lane]), high_z[2], high);
             high = add::<FUSED>(f32::from(self.high[3][lane]), high_z[3], high);
-            let low_product = LOW_X.at::<FUSED>(lane, x, xx) * LOW_Y.at::<FUSED>(lane, y, yy);
-            let high_product = HIGH_X.at::<FUSED>(lane, x, xx) * HIGH_Y.at::<FUSED>(lane, y, yy);
+            let low_product =
+                LOW_X.evaluate::<FUSED>(lane, x, xx) * LOW_Y.evaluate::<FUSED>(lane, y, yy);
+            let high_product =
+                HIGH_X.evaluate::<FUSED>(lane, x, xx) * HIGH_Y.evaluate::<FUSED>(lane, y, yy);
             // T_i(x) T_j(y) last, one product per lane.
             let potential = add::<FUSED>(high, high_product, low * low_product);
             sum[lane] = add::<FUSED>(potential, charge, sum[lane]);
@@ -174,14 +176,14 @@ const FACTORS: [[f32; 5]; FINE] = [
     [1.0, 0.0, 16.0, -20.0, 5.0],
 ];
 
-const LOW_X: Functions = Functions::of(0, LOW, 0);
-const LOW_Y: Functions = Functions::of(0, LOW, 1);
-const HIGH_X: Functions = Functions::of(LOW, BLOCK, 0);
-const HIGH_Y: Functions = Functions::of(LOW, BLOCK, 1);
+const LOW_X: Functions = Functions::from_axis(0, LOW, 0);
+const LOW_Y: Functions = Functions::from_axis(0, LOW, 1);
+const HIGH_X: Functions = Functions::from_axis(LOW, BLOCK, 0);
+const HIGH_Y: Functions = Functions::from_axis(LOW, BLOCK, 1);
 
 impl Functions {
     /// Functions of `count` products from `first` on; the other lanes are zero.
-    const fn of(first: usize, count: usize, axis: usize) -> Self {
+    const fn from_axis(first: usize, count: usize, axis: usize) -> Self {
         let mut functions = Self {
             odd: [0.0; BLOCK],
             even: [0.0; BLOCK],
@@ -203,7 +205,7 @@ impl Functions {
     }
 
     #[inline(always)]
-    fn at<const FUSED: bool>(&self, lane: usize, t: f32, square: f32) -> f32 {
+    fn evaluate<const FUSED: bool>(&self, lane: usize, t: f32, square: f32) -> f32 {
         let odd_or_even = add::<FUSED>(self.odd[lane], t, self.even[lane]);
         let series = add::<FUSED>(self.fourth[lane], square, self.square[lane]);
         odd_or_even * add::<FUSED>(series, square, self.constant[lane])

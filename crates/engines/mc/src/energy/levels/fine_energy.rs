@@ -114,7 +114,7 @@ impl Table {
     #[inline(always)]
     fn near_potential<const FUSED: bool>(&self, place: [f32; 3]) -> f32 {
         let mut potential = [0.0; BLOCK];
-        for block in self.neighbours.of(place) {
+        for block in self.neighbours.blocks(place) {
             let squares = squares(block, place);
             for lane in 0..BLOCK {
                 potential[lane] += block[3][lane] * self.split.near_f32::<FUSED>(squares[lane]);

@@ -156,7 +156,7 @@ impl Maker<'_> {
         let place = self.motion.apply([x, y, z]);
         let reach_square = self.reach * self.reach;
         let mut is_near = false;
-        for block in self.first.neighbours.of(place) {
+        for block in self.first.neighbours.blocks(place) {
             let squares = squares(block, place);
             // A margin for the skin is in the reach, so squares are compared with it as it is.
             for lane in 0..BLOCK {

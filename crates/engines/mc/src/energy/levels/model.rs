@@ -120,7 +120,7 @@ impl Levels {
         // Nothing is kept of far images, so they are found here, for reports only.
         pairs.filter_map(|(first, second)| {
             let near = self.energies.get(first, second);
-            let far = self.known(&system.pair(first, second), Images::Far);
+            let far = self.stored(&system.pair(first, second), Images::Far);
             let of_near = near
                 .as_deref()
                 .map(|energies| self.reported(energies, Images::Near));
@@ -180,7 +180,7 @@ impl EnergyModel for Levels {
     fn reset(&mut self, system: &System) -> Result<()> {
         self.prepare(system);
         self.energies = all_pairs(system, |pair| {
-            let energies = self.known(pair, Images::Near);
+            let energies = self.stored(pair, Images::Near);
             energies.map(|energies| checked(pair, energies)).transpose()
         })?;
         Ok(())

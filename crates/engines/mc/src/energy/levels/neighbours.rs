@@ -76,7 +76,7 @@ impl Neighbours {
 
     /// Position (Å) and charge (e) of all charges that may be near the point, and others.
     #[inline(always)]
-    pub fn of(&self, x: [f32; 3]) -> &[Block] {
+    pub fn blocks(&self, x: [f32; 3]) -> &[Block] {
         &self.blocks[self.range(x)]
     }
 

@@ -57,7 +57,7 @@ impl Levels {
     }
 
     /// The pair at its present pose, with its near images or those farther away; `None` without any.
-    pub(super) fn known(&self, pair: &Pair<'_>, images: Images) -> Option<Arc<Known>> {
+    pub(super) fn stored(&self, pair: &Pair<'_>, images: Images) -> Option<Arc<Known>> {
         let poses = self.image_poses(pair, images);
         match poses.is_empty() {
             true => None,
@@ -222,7 +222,7 @@ impl Levels {
     /// Variance of the fine energy of an image after so many steps of sharpening, kT²; `modelled`
     /// is that of the error model.
     fn fine_variance(&self, image: &Image, steps: usize, modelled: f64) -> f64 {
-        let scale = self.calibration.of(&image.list).fine[steps];
+        let scale = self.calibration.scales(&image.list).fine[steps];
         (scale * fine_deviation(modelled)).powi(2)
     }
 
@@ -244,7 +244,7 @@ impl Levels {
 
     /// Variance of the energy of an image from its list, kT².
     fn variance(&self, image: &Image, level: usize) -> f64 {
-        let scales = self.calibration.of(&image.list);
+        let scales = self.calibration.scales(&image.list);
         let points = image.list.variance * scales.coarse.energy.powi(2);
         match level {
             EXPANDED => points + image.expansion_variance * scales.expansion.energy.powi(2),
@@ -277,7 +277,7 @@ impl Levels {
     /// Variance of the change of the energy of an image from one list at two poses, kT².
     fn moved_variance(&self, new: &Image, old: &Image, level: usize) -> f64 {
         let (list, from, to) = (&new.list, &old.relative, &new.relative);
-        let scales = self.calibration.of(list);
+        let scales = self.calibration.scales(list);
         let points = list.change_variance(from, to) * scales.coarse.change.powi(2);
         if level == COARSE {
             return points;

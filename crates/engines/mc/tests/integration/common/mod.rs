@@ -131,7 +131,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// From independent samples.
-    pub fn of(samples: &[f64]) -> Self {
+    pub fn from_samples(samples: &[f64]) -> Self {
         let moments = RunningMoments::in_two_passes(samples);
         Self {
             mean: moments.mean(),
@@ -199,7 +199,9 @@ pub fn simulate<const N: usize>(
             sums.map(|sum| sum / sweeps as f64)
         })
         .collect();
-    std::array::from_fn(|k| Estimate::of(&means.iter().map(|mean| mean[k]).collect::<Vec<_>>()))
+    std::array::from_fn(|k| {
+        Estimate::from_samples(&means.iter().map(|mean| mean[k]).collect::<Vec<_>>())
+    })
 }
 
 /// Boltzmann averages over uniformly drawn states of two bodies: the direct integral, in
@@ -241,7 +243,9 @@ pub fn integrate<const N: usize>(
             sums.map(|sum| sum / weights)
         })
         .collect();
-    std::array::from_fn(|k| Estimate::of(&means.iter().map(|mean| mean[k]).collect::<Vec<_>>()))
+    std::array::from_fn(|k| {
+        Estimate::from_samples(&means.iter().map(|mean| mean[k]).collect::<Vec<_>>())
+    })
 }
 
 fn uniform_in(boundary: &Boundary, rng: &mut CounterRng) -> Vec3 {

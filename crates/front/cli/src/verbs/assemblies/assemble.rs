@@ -150,7 +150,7 @@ impl RingArgs {
             box_angstrom: self.space.box_angstrom()?,
             force: front.force(),
         };
-        Ok(Reply::of(assemble_ring(
+        Ok(Reply::from_answer(assemble_ring(
             &self.bodies,
             &settings,
             &self.output,
@@ -201,7 +201,7 @@ impl FluidArgs {
         let (counts, seed) = (&self.counts, self.seed);
         let (output, force) = (&self.output, front.force());
         let fluid = assemble_fluid(&self.bodies, counts, box_angstrom, seed, output, force)?;
-        Ok(Reply::of(fluid))
+        Ok(Reply::from_answer(fluid))
     }
 }
 

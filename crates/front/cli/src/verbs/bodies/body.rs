@@ -43,6 +43,10 @@ impl BodyArgs {
             mesh: self.mesh.clone(),
             charges: self.charges.clone(),
         };
-        Ok(Reply::of(make(&body, &self.output, front.force())?))
+        Ok(Reply::from_answer(make(
+            &body,
+            &self.output,
+            front.force(),
+        )?))
     }
 }

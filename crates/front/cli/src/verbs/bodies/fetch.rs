@@ -32,6 +32,6 @@ impl FetchArgs {
             front.force(),
             progress.as_ref(),
         )?;
-        Ok(Reply::of(fetched))
+        Ok(Reply::from_answer(fetched))
     }
 }

@@ -80,7 +80,7 @@ impl IngestArgs {
         let ingested = ingest_files(&files, &self.output, &settings, front.progress().as_ref())?;
         let (errors, warnings) = (errors(&ingested), warnings(&ingested));
         let some_failed = ingested.has_failures();
-        Ok(Reply::of(ingested)
+        Ok(Reply::from_answer(ingested)
             .with_errors(errors)
             .with_repeated(warnings)
             .partial_if(some_failed))
@@ -96,7 +96,7 @@ impl IngestArgs {
         let execution = front.execution(notice, self.time_limit)?;
         let report = ingest_stream(files, &self.output, settings, self.part, &execution)?;
         let (stopped, some_failed) = (report.state == StreamState::Stopped, report.failed > 0);
-        let reply = Reply::of(report);
+        let reply = Reply::from_answer(report);
         Ok(match stopped {
             true => reply.ending(Outcome::Stopped),
             false => reply.partial_if(some_failed),

@@ -207,7 +207,7 @@ impl FrameworkArgs {
             let (network, _) = self.flex(network, String::new())?;
             args.shape(network, thickness)
         })?;
-        Ok(Reply::of(scan))
+        Ok(Reply::from_answer(scan))
     }
 
     fn analyse(&self, network: Framework, name: String, front: &Front) -> Result<Reply> {
@@ -230,7 +230,7 @@ impl FrameworkArgs {
         if report.relaxed.is_none() && report.at_rest() {
             notes.extend(competition);
         }
-        Ok(Reply::of(report).with_notes(notes))
+        Ok(Reply::from_answer(report).with_notes(notes))
     }
 
     /// The parameters of the honeycomb, if it is one.
@@ -260,7 +260,7 @@ impl FrameworkArgs {
             bail!("the tables are those of the paper and do not accept {flag}");
         }
         let tables = PaperTables::compute(args.output.as_deref(), front.force())?;
-        Ok(Reply::of(tables))
+        Ok(Reply::from_answer(tables))
     }
 }
 

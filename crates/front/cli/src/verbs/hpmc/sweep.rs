@@ -90,7 +90,7 @@ impl SweepArgs {
                 let notes = warnings
                     .into_iter()
                     .map(|words| format!("warning: {words}"));
-                Reply::of(equation)
+                Reply::from_answer(equation)
                     .with_notes(notes)
                     .with_note(format!("table and figure: {directory}"))
             }

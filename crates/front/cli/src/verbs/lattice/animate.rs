@@ -31,6 +31,6 @@ impl AnimateArgs {
             most_frames: self.most_frames,
             force: front.force(),
         };
-        Ok(Reply::of(animate(&self.directory, &settings)?))
+        Ok(Reply::from_answer(animate(&self.directory, &settings)?))
     }
 }

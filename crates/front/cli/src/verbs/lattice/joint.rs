@@ -82,7 +82,7 @@ impl JointArgs {
         match &self.output {
             Some(path) => {
                 write_once(path, &table, front.force())?;
-                Ok(Reply::of(answer).with_notes(warning))
+                Ok(Reply::from_answer(answer).with_notes(warning))
             }
             None => Ok(Reply::data(answer)
                 .showing(table.trim_end().to_owned())

@@ -51,7 +51,7 @@ pub fn square(
     let text = square.to_toml()?;
     let warning = square.warning();
     let notes = warning.map(|warning| format!("warning: {warning}"));
-    let reply = Reply::of(square).with_notes(notes);
+    let reply = Reply::from_answer(square).with_notes(notes);
     match output {
         Some(path) => {
             write_once(path, &text, front.force())?;

@@ -75,7 +75,7 @@ impl SweepArgs {
                 let failed = sweep.failed_runs();
                 let some_failed = !failed.is_empty();
                 let warning = sweep.energy_warning();
-                Reply::of(sweep)
+                Reply::from_answer(sweep)
                     .with_note(format!("tables and figures: {directory}"))
                     .with_notes(warning.map(|warning| format!("warning: {warning}")))
                     .with_errors(failed)

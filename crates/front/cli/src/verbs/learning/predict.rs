@@ -49,7 +49,7 @@ impl PredictArgs {
         let table = report.table()?.to_csv()?;
         let (notes, summary) = (notes(&report), report.text());
         let is_incomplete = !report.left_out.is_empty();
-        let reply = Reply::of(report)
+        let reply = Reply::from_answer(report)
             .with_notes(notes)
             .partial_if(is_incomplete);
         match &self.output {

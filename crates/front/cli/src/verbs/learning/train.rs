@@ -271,7 +271,7 @@ impl TrainArgs {
         let warnings: Vec<String> = cautions
             .map(|caution| format!("warning: {caution}"))
             .collect();
-        Ok(Reply::of(metrics)
+        Ok(Reply::from_answer(metrics)
             .with_notes(warnings)
             .partial_if(has_missed))
     }

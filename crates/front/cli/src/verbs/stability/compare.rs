@@ -24,6 +24,6 @@ pub struct CompareArgs {
 impl CompareArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let report = compare(&self.sweeps, &self.title, &self.output, front.force())?;
-        Ok(Reply::of(report))
+        Ok(Reply::from_answer(report))
     }
 }

@@ -150,7 +150,7 @@ impl StabilityArgs {
             match run_stability(bodies, settings, &prepare, directory, execution)? {
                 End::Finished(result) => {
                     let warnings = result.warnings.clone();
-                    let reply = Reply::of(result).with_notes(warnings);
+                    let reply = Reply::from_answer(result).with_notes(warnings);
                     match &self.output {
                         Some(output) => {
                             let figure = output.join("stability.png");

@@ -144,7 +144,7 @@ impl PairArgs {
                 }
                 let mut said = HashSet::new();
                 warnings.retain(|warning| said.insert(warning.clone()));
-                let reply = Reply::of(result).with_notes(warnings);
+                let reply = Reply::from_answer(result).with_notes(warnings);
                 match &self.output {
                     Some(output) => {
                         let figure = output.join("pair.png");

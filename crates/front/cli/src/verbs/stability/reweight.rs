@@ -60,7 +60,7 @@ impl ReweightArgs {
             self.tables.cache.effective_store(front),
         );
         let result = reweighting(&settings, tables, store, front.progress().as_ref())?;
-        let reply = Reply::of(result);
+        let reply = Reply::from_answer(result);
         Ok(match &self.output {
             Some(directory) => {
                 let figure = directory.join("reweighting.png");

@@ -110,7 +110,7 @@ impl ScoreArgs {
         match run_score(&complexes, &settings, directory, &execution)? {
             End::Finished(result) => {
                 let some_failed = self.strict && result.failed > 0;
-                Ok(Reply::of(result).partial_if(some_failed))
+                Ok(Reply::from_answer(result).partial_if(some_failed))
             }
             End::Stopped => Ok(Reply::stopped(format!(
                 "stopped; the same command continues {}",

@@ -85,7 +85,7 @@ impl SweepArgs {
                 End::Finished(result) => {
                     let figure = figure_of(directory, &settings);
                     let warnings = late_warnings(&engine, &settings, &result.warnings)?;
-                    let reply = Reply::of(result).with_notes(warnings);
+                    let reply = Reply::from_answer(result).with_notes(warnings);
                     reply.with_note(format!("figure: {}", figure.display()))
                 }
                 End::Stopped => {

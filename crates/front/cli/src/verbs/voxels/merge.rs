@@ -34,7 +34,7 @@ impl MergeArgs {
             )
         });
         let is_incomplete = !report.missing.is_empty();
-        Ok(Reply::of(report)
+        Ok(Reply::from_answer(report)
             .with_notes(warnings)
             .partial_if(is_incomplete)
             .failing(failure))

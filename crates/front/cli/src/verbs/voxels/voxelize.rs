@@ -129,11 +129,13 @@ impl VoxelizeArgs {
         let mut notes = notes(&report);
         notes.extend(bodies.as_ref().and_then(Bodies::note));
         if report.state == State::Stopped {
-            return Ok(Reply::of(report).with_notes(notes).ending(Outcome::Stopped));
+            return Ok(Reply::from_answer(report)
+                .with_notes(notes)
+                .ending(Outcome::Stopped));
         }
         let complaint = complaint(&report);
         let is_incomplete = self.strict && !report.excluded.is_empty();
-        let reply = Reply::of(report)
+        let reply = Reply::from_answer(report)
             .with_notes(notes)
             .partial_if(is_incomplete);
         // A set without samples is useless; a part without samples may be fine, and

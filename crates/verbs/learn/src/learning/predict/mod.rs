@@ -88,7 +88,7 @@ pub fn predict(
     // Other labels than those of the training know nothing of its parts.
     let truth = match labels {
         Some(_) => Truth::of_other(&trained, labelled),
-        None => Truth::of(&trained, &source, labelled)?,
+        None => Truth::read(&trained, &source, labelled)?,
     };
     let samples = set.descriptions().len() as u64;
     execution.progress.begin(samples, "samples");
@@ -107,7 +107,7 @@ pub fn predict(
             set_path.display()
         );
     }
-    let report = PredictReport::of(
+    let report = PredictReport::new(
         run,
         set_path,
         &trained,

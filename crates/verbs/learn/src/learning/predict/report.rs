@@ -119,7 +119,7 @@ impl PredictReport {
     ///
     /// # Errors
     /// If the predictions do not fit the set, or contain a number that is not a probability.
-    pub(super) fn of(
+    pub(super) fn new(
         run: &Path,
         path: &Path,
         trained: &Trained,
@@ -312,7 +312,7 @@ fn scores(
     if labels.is_empty() {
         return Ok(None);
     }
-    let score = |p: &[f64]| Scores::of(p, &labels, count, Some(&weights));
+    let score = |p: &[f64]| Scores::from_probabilities(p, &labels, count, Some(&weights));
     let prior: Vec<f64> = card.log_prior.iter().map(|log| log.exp()).collect();
     let numbers = match &card.number_classes {
         Some(classes) => {
@@ -325,7 +325,7 @@ fn scores(
                 true => classes.predicted(&probabilities),
                 false => direct,
             };
-            Some(NumberScores::of(&predicted, &truth)?)
+            Some(NumberScores::from_predictions(&predicted, &truth)?)
         }
         None => None,
     };

@@ -94,7 +94,7 @@ impl Trained {
         match &card.number_classes {
             Some(classes) => number(label).ok().map(|number| classes.class_of(number)),
             None => {
-                let class = self.settings.target.of(label).ok()?;
+                let class = self.settings.target.read(label).ok()?;
                 card.classes.iter().position(|name| *name == class)
             }
         }

@@ -81,7 +81,7 @@ impl Truth {
     ///
     /// # Errors
     /// If the set of the training no longer yields the same classes.
-    pub fn of(trained: &Trained, source: &Source, set: &dyn SampleSource) -> Result<Self> {
+    pub fn read(trained: &Trained, source: &Source, set: &dyn SampleSource) -> Result<Self> {
         if is_same(&trained.settings.source, source) {
             Self::of_training_set(trained, set)
         } else {

@@ -6,7 +6,7 @@ use protomer_learn::controls::{Experiment, Verdict};
 
 impl ExperimentReport {
     /// Compares the metrics of an experiment with the expectation.
-    pub fn of(experiment: &Experiment, metrics: &Metrics) -> Self {
+    pub fn from_metrics(experiment: &Experiment, metrics: &Metrics) -> Self {
         let clusters = if experiment.split_by_cluster {
             metrics.samples.test_clusters
         } else {

@@ -43,7 +43,11 @@ pub struct ControlReport {
 
 impl ControlReport {
     /// The report of a control.
-    pub fn of(control: Control, form: Form, experiments: Vec<ExperimentReport>) -> Self {
+    pub fn from_experiments(
+        control: Control,
+        form: Form,
+        experiments: Vec<ExperimentReport>,
+    ) -> Self {
         let reached = experiments.iter().all(|experiment| experiment.reached);
         Self {
             name: control,

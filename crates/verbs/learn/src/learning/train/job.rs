@@ -126,7 +126,7 @@ fn ablate(
         };
         runs.push(run(&of_subset, settings.training.seed, &folder)?);
     }
-    let ablation = Ablation::of(runs)?;
+    let ablation = Ablation::from_runs(runs)?;
     ablation::write_csv(&ablation, path)?;
     metrics.ablation = Some(ablation);
     metrics.write(path)?;
@@ -204,7 +204,7 @@ pub fn run_control(
         return Ok(End::Stopped);
     };
     extend(path, &execution.interrupt, || {
-        let mut reports = vec![ExperimentReport::of(experiment, &metrics)];
+        let mut reports = vec![ExperimentReport::from_metrics(experiment, &metrics)];
         for (experiment, job) in others {
             let set = samples_of_control(&job.settings)?;
             let folder = path.join(experiment.name);
@@ -212,9 +212,13 @@ pub fn run_control(
             let End::Finished(metrics) = end else {
                 return Ok(End::Stopped);
             };
-            reports.push(ExperimentReport::of(experiment, &metrics));
+            reports.push(ExperimentReport::from_metrics(experiment, &metrics));
         }
-        metrics.control = Some(ControlReport::of(run.control, run.form, reports));
+        metrics.control = Some(ControlReport::from_experiments(
+            run.control,
+            run.form,
+            reports,
+        ));
         metrics.write(path)?;
         Ok(End::Finished(metrics))
     })

@@ -285,7 +285,10 @@ impl Predictions<'_> {
         };
         let mut scores_of_baselines = BTreeMap::new();
         for (baseline, scores) in baselines {
-            scores_of_baselines.insert(baseline.name.to_owned(), BaselineScores::of(&scores));
+            scores_of_baselines.insert(
+                baseline.name.to_owned(),
+                BaselineScores::from_scores(&scores),
+            );
         }
         let mut metrics = Metrics {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -421,7 +424,7 @@ impl Predictions<'_> {
 }
 
 impl BaselineScores {
-    fn of(scores: &Scores) -> Self {
+    fn from_scores(scores: &Scores) -> Self {
         Self {
             accuracy: scores.accuracy,
             balanced_accuracy: scores.balanced_accuracy,

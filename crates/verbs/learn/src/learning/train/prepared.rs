@@ -41,11 +41,11 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    fn of(labels: &[&str], count: Option<usize>) -> Result<Self> {
+    fn from_labels(labels: &[&str], count: Option<usize>) -> Result<Self> {
         let of_samples = labels.iter().map(|label| number(label));
         let of_samples = of_samples.collect::<Result<Vec<f64>, _>>()?;
         let count = count.unwrap_or(TrainSettings::NUMBER_CLASSES);
-        let classes = NumberClasses::of(&of_samples, count)?;
+        let classes = NumberClasses::from_numbers(&of_samples, count)?;
         Ok(Self {
             of_samples,
             classes,
@@ -72,7 +72,7 @@ impl<'a> Prepared<'a> {
         let mut quarantined = without_class(target, set);
         let view = View::new(set).relabelled(|description| {
             target
-                .of(&description.label)
+                .read(&description.label)
                 .ok()
                 .filter(|class| !class.is_empty())
         });
@@ -91,12 +91,12 @@ impl<'a> Prepared<'a> {
                  take another --target",
                 set.descriptions().len()
             ),
-            Target::Number => Some(Numbers::of(&labels, settings.number_classes)?),
+            Target::Number => Some(Numbers::from_labels(&labels, settings.number_classes)?),
             _ => None,
         };
         let classes = match &numbers {
             Some(numbers) => Classes::of_numbers(&numbers.of_samples, &numbers.classes),
-            None => Classes::of(&labels, Target::Label, settings.least_samples)?,
+            None => Classes::from_labels(&labels, Target::Label, settings.least_samples)?,
         };
         if classes.names.len() < 2 {
             bail!(
@@ -159,7 +159,7 @@ impl<'a> Prepared<'a> {
 fn without_class(target: Target, set: &dyn SampleSource) -> Vec<Quarantined> {
     let mut without = Vec::new();
     for (sample, description) in set.descriptions().iter().enumerate() {
-        let reason = match target.of(&description.label) {
+        let reason = match target.read(&description.label) {
             Ok(class) if class.is_empty() => "it has no label".to_owned(),
             Ok(_) => continue,
             Err(error) => error.to_string(),

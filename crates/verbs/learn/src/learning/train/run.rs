@@ -408,7 +408,7 @@ fn note_samples(
     match settings.source {
         Source::Set { .. } => TrainedOn {
             earlier,
-            ..TrainedOn::of(prepared)
+            ..TrainedOn::from_prepared(prepared)
         }
         .write(path),
         Source::Control { .. } => Ok(()),
@@ -547,7 +547,7 @@ fn write_curve(
         of_validation.push(weights[*sample]);
     }
     let prior = shares.repeat(truth.len());
-    let prior = Scores::of(&prior, &truth, count, Some(&of_validation))?;
+    let prior = Scores::from_probabilities(&prior, &truth, count, Some(&of_validation))?;
     let title = format!(
         "{count} classes from {}",
         settings.training.channels.join(", ")
@@ -574,7 +574,7 @@ fn normal_prior(numbers: &Numbers, split: &Split, weights: &[f64]) -> Result<f64
             .map(|sample| (numbers.of_samples[*sample], weights[*sample]))
             .collect()
     };
-    let head = NormalHead::of(&weighted(&split.training))?;
+    let head = NormalHead::fit(&weighted(&split.training))?;
     let prior = head.predicted([0.0; 2], 1.0);
     let of_validation = weighted(&split.validation);
     let total: f64 = of_validation.iter().map(|(_, weight)| weight).sum();

@@ -38,7 +38,7 @@ pub struct Seen {
 
 impl TrainedOn {
     /// The samples of a training.
-    pub fn of(prepared: &Prepared) -> Self {
+    pub fn from_prepared(prepared: &Prepared) -> Self {
         let part = |samples: &[usize]| {
             let mut entries = Vec::with_capacity(samples.len());
             for sample in samples {

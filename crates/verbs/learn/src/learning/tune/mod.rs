@@ -426,11 +426,11 @@ impl Search<'_> {
         };
         let rung = epochs.end;
         // Another process may have trained it while we waited for its lock.
-        if self.records.of(trial, rung)?.is_some() {
+        if self.records.reached(trial, rung)?.is_some() {
             return Ok(End::Finished(()));
         }
         let reached = match self.train_to(trial, prepared, epochs) {
-            Ok(End::Finished(history)) => Reached::at(&history, rung),
+            Ok(End::Finished(history)) => Reached::from_history(&history, rung),
             Ok(End::Stopped) => return Ok(End::Stopped),
             // Settings for which training diverges are out; the search continues.
             Err(error) if matches!(error.downcast_ref(), Some(LearnError::Diverged(_))) => {

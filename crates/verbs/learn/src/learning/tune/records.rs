@@ -80,7 +80,7 @@ impl Records {
     }
 
     /// The result of a trial at a rung, if it got that far.
-    pub fn of(&self, trial: &Trial, rung: usize) -> Result<Option<Reached>> {
+    pub fn reached(&self, trial: &Trial, rung: usize) -> Result<Option<Reached>> {
         let path = self.path(trial, rung);
         let text = match protomer_io::input::read_to_string(&path) {
             Ok(text) => text,
@@ -95,7 +95,7 @@ impl Records {
     /// The state of the search over these trials.
     pub fn standing(&self, settings: &TuneSettings, trials: &[Trial]) -> Result<Standing> {
         let plan = settings.halving()?;
-        let standing = plan.standing(|number, rung| self.of(&trials[number], rung))?;
+        let standing = plan.standing(|number, rung| self.reached(&trials[number], rung))?;
         let trials_of = |numbers: Vec<(usize, Reached)>| {
             let mut selected_trials = Vec::with_capacity(numbers.len());
             for (number, reached) in numbers {

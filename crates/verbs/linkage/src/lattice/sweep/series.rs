@@ -99,7 +99,7 @@ impl Series {
                 locking.push(time, &angles);
                 let sides = sides(&network, &positions);
                 correlation.push(&sides)?;
-                let domains = Domains::of(&network, &sides);
+                let domains = Domains::find(&network, &sides);
                 count.push(domains.count as f64);
                 largest.push(domains.largest as f64 / sides.len() as f64);
             }

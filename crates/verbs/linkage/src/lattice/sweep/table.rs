@@ -116,15 +116,17 @@ impl RunRow {
         coherence: Coherence,
     ) -> Result<Self> {
         let result = &outcome.result;
-        let of_rotation = MeanAndDeviation::of(rows.iter().map(|row| row.checkerboard_fraction));
-        let of_total =
-            MeanAndDeviation::of(rows.iter().map(|row| row.checkerboard_fraction_of_total));
+        let of_rotation =
+            MeanAndDeviation::from_values(rows.iter().map(|row| row.checkerboard_fraction));
+        let of_total = MeanAndDeviation::from_values(
+            rows.iter().map(|row| row.checkerboard_fraction_of_total),
+        );
         let speeds = series
             .crossings
             .iter()
             .flatten()
             .map(|crossing| crossing.rate.abs());
-        let crossings = MeanAndDeviation::of(speeds);
+        let crossings = MeanAndDeviation::from_values(speeds);
         let (exponent, exponent_error) = match &outcome.exponent {
             Some(estimate) => (estimate.exponent, estimate.standard_error),
             None => (None, None),
@@ -191,7 +193,7 @@ struct MeanAndDeviation {
 }
 
 impl MeanAndDeviation {
-    fn of(values: impl Iterator<Item = f64>) -> Self {
+    fn from_values(values: impl Iterator<Item = f64>) -> Self {
         let moments = finite_only(values);
         let count = moments.count();
         Self {
@@ -232,7 +234,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    fn of(values: impl Iterator<Item = f64>) -> Self {
+    fn from_values(values: impl Iterator<Item = f64>) -> Self {
         let moments = finite_only(values);
         Self {
             mean: nan_unless(moments.count() > 0, moments.mean()),
@@ -314,7 +316,7 @@ impl ConditionRow {
         failed_runs: usize,
         series: &Series,
     ) -> Result<Self> {
-        let estimate = |value: fn(&RunRow) -> f64| Estimate::of(runs.iter().map(value));
+        let estimate = |value: fn(&RunRow) -> f64| Estimate::from_values(runs.iter().map(value));
         let blocks = BLOCKS * runs.len();
         let ratio = poisson_ratio(&series.strains, blocks).unwrap_or(UNKNOWN_RATIO);
         let [pooled_synchronisation, pooled_partial_synchronisation] =

@@ -78,7 +78,7 @@ fn found(
     let poses = vec![Pose::identity(); bodies.len()];
     let engine = Engine::new(assembly(bodies, kinds, poses)).unwrap();
     let potentials = engine.pair_potentials(&medium()).unwrap();
-    let hard = bodies.iter().map(|body| HardBody::of(body).unwrap());
+    let hard = bodies.iter().map(|body| HardBody::from_body(body).unwrap());
     let up = recipe.rings.iter().flatten().map(|site| site.up).collect();
     let grid = RingGrid {
         tilts_degrees: tilts.to_vec(),
@@ -128,7 +128,12 @@ fn energies_are_those_of_all_pairs() {
     for recipe in [stack, Recipe::ring(4, &pattern), mixed] {
         let found = found(&bodies, recipe, &[20.0], &[0.0, 50.0], 3);
         assert!(found.arrangements.iter().any(|each| each.is_refined));
-        let hard = HardBodies::new(bodies.iter().map(|b| HardBody::of(b).unwrap()).collect());
+        let hard = HardBodies::new(
+            bodies
+                .iter()
+                .map(|b| HardBody::from_body(b).unwrap())
+                .collect(),
+        );
         for arrangement in found.arrangements.iter().filter(|each| each.is_refined) {
             let placements = hard.close(&arrangement.recipe, 0.5).unwrap().placements;
             let (kinds, poses) = placements.into_iter().unzip();
@@ -208,7 +213,7 @@ fn a_body_designed_for_a_snub_cube_finds_its_group() {
     let bodies = [body(&balls)];
     let lowest = |group: CubicGroup| {
         let engine = Engine::new(assembly(&bodies, vec![0], vec![Pose::identity()])).unwrap();
-        let hard = HardBodies::new(vec![HardBody::of(&bodies[0]).unwrap()]);
+        let hard = HardBodies::new(vec![HardBody::from_body(&bodies[0]).unwrap()]);
         let searched = Searched {
             bodies: &hard,
             potentials: engine.pair_potentials(&concentrated()).unwrap(),
@@ -235,7 +240,7 @@ fn a_body_designed_for_a_snub_cube_finds_its_group() {
             sites: vec![site],
         };
         let engine = Engine::new(assembly(&bodies, vec![0], vec![Pose::identity()])).unwrap();
-        let hard = HardBodies::new(vec![HardBody::of(&bodies[0]).unwrap()]);
+        let hard = HardBodies::new(vec![HardBody::from_body(&bodies[0]).unwrap()]);
         let closed = Arrangement::close(&cage, &hard, 0.1, 1e-3).unwrap();
         let energies = PairEnergies(engine.pair_potentials(&concentrated()).unwrap());
         energies

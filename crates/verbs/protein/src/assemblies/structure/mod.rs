@@ -279,7 +279,7 @@ fn described(placed: &Placed) -> Vec<StructureBody> {
             reference: of_type.reference.clone(),
             chains: copies().map(|copy| copy.chain.clone()).collect(),
             rmsd_angstrom: copies().map(|copy| copy.rmsd_angstrom).collect(),
-            measures: BodyMeasures::of(&built.body),
+            measures: BodyMeasures::from_body(&built.body),
             warnings: built.warnings.clone(),
         });
     }

@@ -123,7 +123,7 @@ fn overlapping(
             }
             let own_shape = own_shapes
                 .entry(copy.unit)
-                .or_insert_with(|| OwnShape::of(of_type, copy));
+                .or_insert_with(|| OwnShape::from_copy(of_type, copy));
             let name = units[copies[other].1.unit].name.clone();
             own_shape.would_overlap.push(name);
         }
@@ -146,7 +146,7 @@ fn losing_contacts(
             }
             let own_shape = OwnShape {
                 would_lose_contacts: contacts - retained_contacts,
-                ..OwnShape::of(of_type, copy)
+                ..OwnShape::from_copy(of_type, copy)
             };
             own_shapes.insert(copy.unit, own_shape);
         }
@@ -155,7 +155,7 @@ fn losing_contacts(
 }
 
 impl OwnShape {
-    fn of(of_type: &BodyType, copy: &ChainCopy) -> Self {
+    fn from_copy(of_type: &BodyType, copy: &ChainCopy) -> Self {
         Self {
             copy: copy.chain.clone(),
             reference: of_type.reference.clone(),

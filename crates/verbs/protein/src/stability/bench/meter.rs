@@ -61,9 +61,9 @@ impl Metered {
     }
 
     fn watched(&mut self, decide: impl FnOnce(&mut Levels) -> Result<bool>) -> Result<bool> {
-        let (before, start) = (Counts::of(&self.inner), Instant::now());
+        let (before, start) = (Counts::from_model(&self.inner), Instant::now());
         let decision = decide(&mut self.inner);
-        let (time, after) = (start.elapsed(), Counts::of(&self.inner));
+        let (time, after) = (start.elapsed(), Counts::from_model(&self.inner));
         self.read(|readings| {
             // A decision that went past the coarse level changes the count of refined ones.
             let sort = if after.refined == before.refined {
@@ -93,7 +93,7 @@ struct Counts {
 }
 
 impl Counts {
-    fn of(model: &Levels) -> Self {
+    fn from_model(model: &Levels) -> Self {
         let decided = model.decided();
         Self {
             refined: decided.coarse + decided.fine + decided.direct,

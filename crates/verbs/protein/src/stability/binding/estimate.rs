@@ -82,7 +82,7 @@ fn ph_effect_kt(
     }
     let medium = settings.medium().interaction(Some(REFERENCE_SALT_MOLAR))?;
     let yukawa = medium.yukawa()?;
-    let at_usual = inputs.at(Some(usual))?;
+    let at_usual = inputs.partners(Some(usual))?;
     Ok(coulomb_kt(partners, &yukawa) - coulomb_kt(&at_usual, &yukawa))
 }
 

@@ -38,7 +38,7 @@ pub(super) fn at_interface(partners: &Partners, interface: &Interface) -> Vec<In
             if is_titratable(body, residue) && !one_charge.is_empty() && !changes.is_empty() {
                 charges.push(InterfaceCharge {
                     part,
-                    name: ResidueName::of(body, residue),
+                    name: ResidueName::from_body(body, residue),
                     changes,
                     one_charge,
                 });

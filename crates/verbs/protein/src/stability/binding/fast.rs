@@ -125,7 +125,7 @@ impl FastMedium {
             .engine
             .terms()
             .into_iter()
-            .flat_map(|terms| &terms.of((0, 1)).0)
+            .flat_map(|terms| &terms.terms((0, 1)).0)
         {
             *terms_kt.entry(term.term().name()).or_default() += term.energy_kt(&relative);
         }

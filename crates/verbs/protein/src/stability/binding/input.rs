@@ -130,7 +130,7 @@ impl Inputs {
     ///
     /// # Errors
     /// Names the file of a body that cannot be made.
-    pub fn at(&self, ph: Option<f64>) -> Result<Partners> {
+    pub fn partners(&self, ph: Option<f64>) -> Result<Partners> {
         let [first, second] = &self.inputs;
         Ok(Partners {
             bodies: [

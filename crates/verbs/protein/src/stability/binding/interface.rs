@@ -49,7 +49,7 @@ struct Atom {
 impl Interface {
     /// # Errors
     /// For bodies that are far from each other or within each other.
-    pub fn of(partners: &Partners) -> Result<Self> {
+    pub fn find(partners: &Partners) -> Result<Self> {
         let [first, second] = partners.bodies.each_ref().map(|body| heavy_atoms(body));
         let mut interface = Self {
             closest_angstrom: f64::INFINITY,

@@ -75,8 +75,8 @@ pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<
     };
     let mut result = Binding::new(settings, &inputs);
     for (number, ph) in inputs.ph.iter().enumerate() {
-        let partners = inputs.at(*ph)?;
-        let interface = Interface::of(&partners)?;
+        let partners = inputs.partners(*ph)?;
+        let interface = Interface::find(&partners)?;
         let fast = FastInteraction::new(&partners, settings)?;
         let charges = match settings.exchanges {
             true => exchanges::at_interface(&partners, &interface),

@@ -294,7 +294,7 @@ impl Binding {
     pub(super) fn add_uptake(&mut self, ph: Option<f64>, uptake: &ProtonUptake) {
         let at_ph = self.conditions.iter_mut().filter(|row| row.ph == ph);
         for (salt, condition) in at_ph.enumerate() {
-            condition.protons_taken_up = ph.and_then(|ph| uptake.at(ph, salt));
+            condition.protons_taken_up = ph.and_then(|ph| uptake.value_at(ph, salt));
         }
     }
 

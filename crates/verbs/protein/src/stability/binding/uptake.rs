@@ -68,7 +68,7 @@ impl ProtonUptake {
     }
 
     /// Protons of the complex less those of both bodies at a pH and the salt of this number.
-    pub fn at(&self, ph: f64, salt: usize) -> Option<f64> {
+    pub fn value_at(&self, ph: f64, salt: usize) -> Option<f64> {
         let [complex, first, second] = self.0.get(salt)?;
         Some(complex.protons(ph) - first.protons(ph) - second.protons(ph))
     }

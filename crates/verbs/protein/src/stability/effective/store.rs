@@ -43,8 +43,8 @@ const NUMBER: usize = 8;
 /// let store = EffectiveStore::default().with_cache(DiskCache::new("cache"), |_| ());
 /// let (body, _) = body_file::read(Path::new("4lzt.body"))?;
 /// let saline = InteractionSettings::default().interaction(Some(0.1))?;
-/// let fitted = store.of(&body, &saline, &SoluteModel::default())?;
-/// let shared = store.of(&body, &saline, &SoluteModel::default())?;
+/// let fitted = store.charges(&body, &saline, &SoluteModel::default())?;
+/// let shared = store.charges(&body, &saline, &SoluteModel::default())?;
 /// assert!(std::sync::Arc::ptr_eq(&fitted, &shared));
 /// # Ok::<(), anyhow::Error>(())
 /// ```
@@ -87,7 +87,7 @@ impl EffectiveStore {
     ///
     /// # Errors
     /// As [`effective_charges_of`](super::effective_charges_of).
-    pub fn of(
+    pub fn charges(
         &self,
         body: &Body,
         interaction: &ScreenedCoulomb,

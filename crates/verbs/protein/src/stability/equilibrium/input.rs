@@ -147,7 +147,7 @@ impl StabilityBodies {
 }
 
 fn is_assembly(file: &Path) -> bool {
-    matches!(FileKind::of(file), Some(FileKind::Assembly))
+    matches!(FileKind::from_path(file), Some(FileKind::Assembly))
 }
 
 /// Conditions of the protonation at each salt; one that is none for pKa values in water.

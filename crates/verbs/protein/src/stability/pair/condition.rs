@@ -113,7 +113,7 @@ impl<'a> Condition<'a> {
         let solute = self.settings.solute.unwrap_or_default();
         let of = |prepared: &Prepared| -> Result<EffectiveCharges> {
             let store = self.effective_store;
-            let charges = store.of(&prepared.body, &self.interaction, &solute)?;
+            let charges = store.charges(&prepared.body, &self.interaction, &solute)?;
             Ok(charges.as_ref().clone())
         };
         let [first, second] = self.bodies;
@@ -149,7 +149,7 @@ impl<'a> Condition<'a> {
         ];
         let further = self.settings.further_terms();
         let prepared = further.prepare(&charged, &self.interaction)?;
-        potential.0.extend(prepared.of(&kinds, 0, 1).0);
+        potential.0.extend(prepared.terms(&kinds, 0, 1).0);
         Ok(BodyPair {
             first,
             second,

@@ -170,7 +170,7 @@ impl PairBodies {
     }
 
     /// The two bodies at a pH that was stated, at the first salt; those of body files for `None`.
-    pub fn at(&self, ph: Option<f64>) -> Option<[&Body; 2]> {
+    pub fn bodies_at(&self, ph: Option<f64>) -> Option<[&Body; 2]> {
         let number = self.ph.iter().position(|known| *known == ph)?;
         Some(self.pairs[number][0].each_ref().map(|of| &*of.body))
     }

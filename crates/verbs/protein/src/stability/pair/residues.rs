@@ -49,7 +49,7 @@ pub(super) fn residue_energies(
     }
     let of_second = Pose::from_wxyz(Vec3::from(pose.position_angstrom), pose.orientation_wxyz);
     let relative = RelativePose::new(&Pose::identity(), &of_second, &of_second.position);
-    let places = bodies.map(ResiduePlaces::of);
+    let places = bodies.map(ResiduePlaces::from_body);
     let mut energies = bodies.map(|body| vec![EnergyParts::default(); body.residues.len()]);
     for term in &pair.potential.0 {
         term.shares(&relative, &mut |body, place, energy_kt| {

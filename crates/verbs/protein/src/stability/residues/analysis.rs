@@ -43,7 +43,7 @@ pub fn analyse(
     let contributions = contributions(settings, ensemble, &ensemble.engine)?;
     let start = ensemble.engine.system()?;
     let mut averages = Averages::new(&shared_out, &start);
-    let mut scanned = scan.map(|scan| scan.at(ensemble, &contributions));
+    let mut scanned = scan.map(|scan| scan.scan(ensemble, &contributions));
     let of_frame = |poses: &Vec<Pose>| -> Result<Found> {
         let system = ensemble.engine.system_at(poses)?;
         let responses = match scan {
@@ -51,7 +51,7 @@ pub fn analyse(
             None => Vec::new(),
         };
         let counts = ensemble.counts(&system);
-        let state = (with_averages && counts).then(|| shared_out.of(&system));
+        let state = (with_averages && counts).then(|| shared_out.evaluate(&system));
         progress.advance(1);
         Ok(Found {
             system,

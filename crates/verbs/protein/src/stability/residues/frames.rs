@@ -128,7 +128,7 @@ impl Run {
                 directory.display()
             );
         }
-        match ResultKind::of(directory) {
+        match ResultKind::detect(directory) {
             Some(ResultKind::Sweep) => {}
             Some(ResultKind::Simulation) => bail!(
                 "{} holds one simulation of a sweep; name the directory of the whole sweep, with \
@@ -308,7 +308,7 @@ impl Run {
     }
 
     /// The frames at one of the salt concentrations.
-    pub fn at(&self, settings: &ResiduesSettings, salt_molar: f64) -> Result<AtSalt> {
+    pub fn ensemble(&self, settings: &ResiduesSettings, salt_molar: f64) -> Result<AtSalt> {
         let medium = &self.settings.medium;
         let interaction = medium.interaction(Some(salt_molar))?;
         let engine = self.engine.in_medium(&self.settings, &interaction)?;

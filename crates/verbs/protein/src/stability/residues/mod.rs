@@ -74,12 +74,12 @@ pub fn residues(
         false => vec![shown.salt_molar],
     };
     progress.begin(0, "frames");
-    let scan = settings.mutations.then(|| mutations::Scan::of(&run));
+    let scan = settings.mutations.then(|| mutations::Scan::from_run(&run));
     let scan = scan.transpose()?;
     let mut shown_analysis = None;
     let mut scanned = Vec::new();
     for salt_molar in salts {
-        let at_salt = run.at(settings, salt_molar)?;
+        let at_salt = run.ensemble(settings, salt_molar)?;
         let is_shown = salt_molar == shown.salt_molar;
         let (averages, of_scan) =
             analysis::analyse(settings, &at_salt, scan.as_ref(), is_shown, progress)?;

@@ -69,7 +69,7 @@ struct Half {
 
 impl Scan {
     /// The exchanges on the surfaces of the bodies.
-    pub fn of(run: &Run) -> Result<Self> {
+    pub fn from_run(run: &Run) -> Result<Self> {
         let (mut sites, mut exchanges) = (Vec::new(), Vec::new());
         for (kind, body) in run.assembly().bodies.iter().enumerate() {
             let areas = surface::areas_angstrom2(body);
@@ -81,7 +81,7 @@ impl Scan {
                     continue;
                 }
                 for (change, to, charge_change_e) in possible {
-                    let name = ResidueName::of(body, residue);
+                    let name = ResidueName::from_body(body, residue);
                     exchanges.push(Exchange {
                         site: sites.len(),
                         residue,
@@ -113,7 +113,7 @@ impl Scan {
     }
 
     /// A scan of one salt concentration, without frames yet.
-    pub fn at(&self, ensemble: &AtSalt, contributions: &Contributions) -> ScannedSalt {
+    pub fn scan(&self, ensemble: &AtSalt, contributions: &Contributions) -> ScannedSalt {
         let bodies = &ensemble.engine.assembly().bodies;
         let is_effective = ensemble.engine.effective_bodies().is_some();
         let mut effective_per_charge = Vec::new();

@@ -65,7 +65,7 @@ impl Residues {
         for (mesh, body) in shown.meshes.iter_mut().zip(&assembly.bodies) {
             let of_body = &energies_kt[start..start + body.residues.len()];
             start += body.residues.len();
-            let places = ResiduePlaces::of(body);
+            let places = ResiduePlaces::from_body(body);
             let value = |vertex| match places.nearest(vertex) {
                 Some(residue) => of_body[residue],
                 None => f64::NAN,

@@ -288,7 +288,7 @@ impl ResiduesResult {
         averages: &Averages,
     ) -> Self {
         let bodies = &run.assembly().bodies;
-        let name = |kind: usize, residue: usize| ResidueName::of(&bodies[kind], residue);
+        let name = |kind: usize, residue: usize| ResidueName::from_body(&bodies[kind], residue);
         let mut residues = Vec::new();
         for (kind, body) in bodies.iter().enumerate() {
             let areas = surface::areas_angstrom2(body);
@@ -406,7 +406,7 @@ impl ResiduesResult {
 }
 
 impl ResidueName {
-    pub(crate) fn of(body: &Body, residue: usize) -> Self {
+    pub(crate) fn from_body(body: &Body, residue: usize) -> Self {
         let Residue {
             chain,
             number,

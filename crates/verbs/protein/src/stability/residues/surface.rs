@@ -15,7 +15,7 @@ pub fn is_buried(area_angstrom2: f64) -> bool {
 /// The area of each residue's part of the surface, Å²: a point of the mesh belongs to the residue of
 /// the nearest atom.
 pub fn areas_angstrom2(body: &Body) -> Vec<f64> {
-    let places = ResiduePlaces::of(body);
+    let places = ResiduePlaces::from_body(body);
     let mut areas = vec![0.0; body.residues.len()];
     let vertices = &body.mesh.vertices;
     let per_vertex = body.mesh.area_angstrom2() / vertices.len().max(1) as f64;

@@ -113,7 +113,7 @@ impl<'a> Curves<'a> {
 
     /// The curves at one concentration of bodies. Errors come from leaving out one block of frames at
     /// a time (jackknife), with the weights found again.
-    pub(super) fn at(&self, salts: &[f64], target: Target) -> ConcentrationCurve {
+    pub(super) fn curve(&self, salts: &[f64], target: Target) -> ConcentrationCurve {
         let averages = self.all.averages(salts, target);
         let without = self.without_a_block.iter();
         let left_out: Vec<Averages> = without

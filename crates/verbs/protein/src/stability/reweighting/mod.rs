@@ -137,7 +137,7 @@ pub fn reweighting(
             concentration_molar,
             ln_dilution,
         };
-        concentration_curves.push(curves.at(&salts, target));
+        concentration_curves.push(curves.curve(&salts, target));
     }
     let bodies = source.assembly.len();
     let free_energies_kt = curves.free_energies_kt();
@@ -156,7 +156,7 @@ pub fn reweighting(
 
 /// The settings of a sweep over several salts.
 fn run_of(directory: &Path) -> Result<RunSettings> {
-    if ResultKind::of(directory) != Some(ResultKind::Sweep) {
+    if ResultKind::detect(directory) != Some(ResultKind::Sweep) {
         bail!(
             "{} holds no sweep; name the directory of one over several salt concentrations",
             directory.display()

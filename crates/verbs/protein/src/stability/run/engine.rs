@@ -74,7 +74,7 @@ impl Engine {
     /// medium.
     ///
     /// # Errors
-    /// As [`EffectiveStore::of`].
+    /// As [`EffectiveStore::charges`].
     pub fn with_effective_charges(
         mut self,
         interaction: &ScreenedCoulomb,
@@ -82,7 +82,7 @@ impl Engine {
     ) -> Result<Self> {
         let (mut types, mut bodies) = (Vec::new(), Vec::new());
         for body in &self.assembly.bodies {
-            let charges = self.effective_store.of(body, interaction, solute)?;
+            let charges = self.effective_store.charges(body, interaction, solute)?;
             bodies.push(EffectiveBody::new(body, &charges));
             let kind = BodyType::from_body(body)?.with_charges(&charges.charges);
             types.push(Arc::new(kind));
@@ -129,7 +129,8 @@ impl Engine {
                 .map(|(body, kind)| (body.as_ref(), *kind, &kind.charges))
                 .collect();
             let prepared = further.prepare(&charged, interaction)?;
-            let pair_terms = |first, second| Ok::<_, McError>(prepared.of(&kinds, first, second));
+            let pair_terms =
+                |first, second| Ok::<_, McError>(prepared.terms(&kinds, first, second));
             self.terms = Some(TermsByType::new(kinds.len(), pair_terms)?);
         }
         Ok(self)
@@ -170,7 +171,7 @@ impl Engine {
             // The further terms act beside the charges and have no tables.
             potential
                 .0
-                .extend(terms.of((kinds[0], kinds[1])).0.iter().cloned());
+                .extend(terms.terms((kinds[0], kinds[1])).0.iter().cloned());
         }
         Ok(BodyPair {
             first,
@@ -197,7 +198,7 @@ impl Engine {
         }
         let reaches = charged.values().filter_map(Charged::table_reach_angstrom);
         let reach_angstrom = reaches.fold(0.0, f64::max);
-        let tables = self.tables.of(&self.types, &yukawa, reach_angstrom)?;
+        let tables = self.tables.tables(&self.types, &yukawa, reach_angstrom)?;
         let with_terms = |(kinds, pair): ((usize, usize), Charged)| {
             let pair = match pair.table_reach_angstrom() {
                 Some(_) => pair
@@ -206,7 +207,7 @@ impl Engine {
             };
             let mut potential = Terms(vec![Arc::new(pair)]);
             if let Some(terms) = &self.terms {
-                potential.0.extend(terms.of(kinds).0.iter().cloned());
+                potential.0.extend(terms.terms(kinds).0.iter().cloned());
             }
             (kinds, potential)
         };

@@ -236,7 +236,7 @@ impl<'a> LadderRun<'a> {
             0 => 0.0,
             trials => count.accepted as f64 / trials as f64,
         };
-        let accepted = |rung: &Simulation| AcceptedFractions::of(rung.statistics());
+        let accepted = |rung: &Simulation| AcceptedFractions::from_statistics(rung.statistics());
         LadderAnswer {
             accepted: ladder.rungs().iter().map(accepted).collect(),
             exchanged: Exchanged {

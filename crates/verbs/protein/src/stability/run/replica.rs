@@ -154,7 +154,9 @@ impl Run for Replica<'_> {
     }
 
     fn answer(&self, state: &mut State, _directory: &Path) -> Result<AcceptedFractions> {
-        Ok(AcceptedFractions::of(state.simulation.statistics()))
+        Ok(AcceptedFractions::from_statistics(
+            state.simulation.statistics(),
+        ))
     }
 
     fn details(&self, state: &mut State, _directory: &Path) -> Result<Value> {
@@ -219,7 +221,7 @@ impl Replica<'_> {
             "replica": self.replica,
             "medium": self.interaction,
             "sweeps_done": simulation.sweep(),
-            "acceptance": AcceptedFractions::of(simulation.statistics()),
+            "acceptance": AcceptedFractions::from_statistics(simulation.statistics()),
             "step_sizes": simulation.step_sizes(),
             "statistics": simulation.statistics(),
             "native_contacts": simulation.native_contacts(),
@@ -233,7 +235,7 @@ impl Replica<'_> {
 
 impl AcceptedFractions {
     /// Computes the ratios from the counts of a simulation.
-    pub fn of(statistics: &Statistics) -> Self {
+    pub fn from_statistics(statistics: &Statistics) -> Self {
         Self {
             translation_acceptance: accepted_fraction(&statistics.translation),
             rotation_acceptance: accepted_fraction(&statistics.rotation),

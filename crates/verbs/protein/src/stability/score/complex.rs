@@ -125,8 +125,8 @@ impl Pose {
     pub fn read(settings: &BindingSettings) -> Result<Self> {
         let inputs = Inputs::read(settings)?;
         let ph = inputs.ph.first().copied().flatten();
-        let partners = inputs.at(ph)?;
-        let interface = Interface::of(&partners)?;
+        let partners = inputs.partners(ph)?;
+        let interface = Interface::find(&partners)?;
         Ok(Self {
             inputs,
             partners,

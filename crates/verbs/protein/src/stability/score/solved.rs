@@ -139,7 +139,7 @@ fn exposed_residues(bodies: [&Body; 2]) -> Result<Vec<ResidueName>> {
             let site = &body.sites[*site];
             let is_side_chain = !matches!(&*site.atom_name, "N" | "CA" | "C" | "O" | "OXT");
             if let (true, Some(residue)) = (is_side_chain, site.residue) {
-                names.push(ResidueName::of(body, residue as usize));
+                names.push(ResidueName::from_body(body, residue as usize));
             }
         }
     }

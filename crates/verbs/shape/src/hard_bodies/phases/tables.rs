@@ -27,7 +27,10 @@ pub fn phases_of_tables(paths: &[PathBuf]) -> Result<Phases> {
         let stem = path.file_stem().context("a branch has no file name")?;
         names.push(stem.to_string_lossy().into_owned());
     }
-    let energies: Vec<_> = splines.iter().map(|spline| |x: Jet| spline.at(x)).collect();
+    let energies: Vec<_> = splines
+        .iter()
+        .map(|spline| |x: Jet| spline.evaluate(x))
+        .collect();
     let mut branches: Vec<Branch<'_>> = Vec::new();
     for (number, spline) in splines.iter().enumerate() {
         let [first, last] = spline.range();

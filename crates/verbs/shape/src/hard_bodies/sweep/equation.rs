@@ -98,7 +98,7 @@ pub struct MeanEquilibrium {
 
 impl MeanEquilibrium {
     /// Verdict on runs at one condition; `None` if they do not have to reach an equilibrium.
-    fn of(runs: &[HardBodyResult]) -> Option<Self> {
+    fn from_runs(runs: &[HardBodyResult]) -> Option<Self> {
         let all: Option<Vec<&Equilibrium>> =
             runs.iter().map(|run| run.equilibrium.as_ref()).collect();
         let all = all?;
@@ -154,7 +154,7 @@ fn mean<T>(runs: &[T], value: impl Fn(&T) -> (f64, Option<f64>)) -> (f64, Option
 }
 
 impl StatePoint {
-    pub(super) fn of(runs: &[HardBodyResult]) -> Self {
+    pub(super) fn from_runs(runs: &[HardBodyResult]) -> Self {
         let first = &runs[0];
         let (packing, packing_error) = mean(runs, |run| {
             (run.packing_fraction, run.packing_fraction_error)
@@ -192,7 +192,7 @@ impl StatePoint {
             excess_free_energy_per_body_kt_error: None,
             free_volume_fraction: free.map(|(fraction, _)| fraction),
             free_volume_fraction_error: free.and_then(|(_, error)| error),
-            equilibrium: MeanEquilibrium::of(runs),
+            equilibrium: MeanEquilibrium::from_runs(runs),
             seeds: runs.len(),
         }
     }

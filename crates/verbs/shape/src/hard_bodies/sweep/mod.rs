@@ -271,7 +271,7 @@ impl<'a> Sweep<'a> {
             Some(BodyShape::Shape(shape))
                 if is_plain && !self.settings.packing_fractions.is_empty() =>
             {
-                Measures::of(shape, run.rounding_radius)?
+                Measures::from_shape(shape, run.rounding_radius)?
             }
             _ => return Ok(None),
         };
@@ -334,7 +334,7 @@ impl Campaign for Sweep<'_> {
         }
         let mut points: Vec<StatePoint> = by_condition
             .iter()
-            .map(|runs: &Vec<HardBodyResult>| StatePoint::of(runs))
+            .map(|runs: &Vec<HardBodyResult>| StatePoint::from_runs(runs))
             .collect();
         // At constant pressure the order of densities is only known afterwards.
         points.sort_by(|a, b| a.packing_fraction.total_cmp(&b.packing_fraction));

@@ -69,7 +69,7 @@ pub fn collect(
     let mut tables = Vec::new();
     for (condition, pose, folder) in bound.into_iter().step_by(step) {
         let of_condition = bodies
-            .at(condition.ph)
+            .bodies_at(condition.ph)
             .context("a condition at an unknown pH")?;
         let table = ResidueTable::read(&directory.join(folder))?;
         let energies_kt = table.energies_kt(of_condition, 1)?;
@@ -157,7 +157,7 @@ impl Surfaces {
                 && surface.shown.name == body.name
         });
         index.unwrap_or_else(|| {
-            let places = ResiduePlaces::of(body);
+            let places = ResiduePlaces::from_body(body);
             let vertices = body.mesh.vertices.par_iter();
             let residues = vertices.map(|vertex| places.nearest(vertex));
             self.meshes.push(Surface {

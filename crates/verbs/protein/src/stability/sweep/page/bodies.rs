@@ -307,7 +307,7 @@ fn hydropathy_at_vertices(body: &Body) -> Vec<f64> {
     body.mesh
         .vertices
         .par_iter()
-        .map(|vertex| map.at(vertex).unwrap_or(f64::NAN))
+        .map(|vertex| map.value_at(vertex).unwrap_or(f64::NAN))
         .collect()
 }
 
