@@ -109,7 +109,7 @@ pub struct Settings {
     #[serde(default, skip_serializing_if = "is_zero")]
     pub binding_moves_per_sweep: u32,
     /// Moves in each sweep that change protons of a random body, for models with titratable groups
-    /// ([`Regulated`](crate::energy::Regulated)).
+    /// ([`DirectSum::regulated`](crate::energy::DirectSum::regulated)).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub proton_moves_per_sweep: u32,
     /// Largest distance between the axis of a cluster move and the seed body, Å; `None` for the

@@ -1,13 +1,19 @@
 //! The plain sum over all pairs of charges.
 
 use super::reach::{Reach, require_room};
+use super::regulated::Protons;
 use super::{
-    Effort, EnergyModel, PairEnergy, Pairs, all_pairs, finite, pair_energy_kt, sum_of_pairs,
+    Effort, EnergyModel, PairEnergy, Pairs, all_pairs, finite, pair_energy_kt, require_fixed,
+    sum_of_pairs,
 };
 use crate::Result;
+use crate::charges::ChargeCloud;
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
+use crate::titratable::TitratableCharges;
 use protomer_kernel::potential::Yukawa;
+use protomer_kernel::random::CounterRng;
+use std::sync::Arc;
 
 /// The direct sum in double precision over all images that count, each pair of bodies computed once
 /// per state.
@@ -17,6 +23,8 @@ pub struct DirectSum {
     reach: Reach,
     energies: PairTable<f64>,
     proposed: Vec<PairEnergy>,
+    /// Protons of the bodies, if their charges respond to each other.
+    protons: Option<Protons>,
 }
 
 impl DirectSum {
@@ -27,16 +35,51 @@ impl DirectSum {
             reach: Reach::default(),
             energies: PairTable::new(0),
             proposed: Vec::new(),
+            protons: None,
+        }
+    }
+
+    /// The direct sum for bodies that take up and lose protons at constant pH. `groups` holds the titratable groups of each
+    /// type of body, `None` for a type whose charges are fixed.
+    ///
+    /// Energies of pairs are those of the present charges; a change of protons adds the sum over the few charges that
+    /// change.
+    pub fn regulated(potential: Yukawa, groups: Vec<Option<Arc<TitratableCharges>>>) -> Self {
+        Self {
+            protons: Some(Protons::new(groups)),
+            ..Self::new(potential)
+        }
+    }
+
+    fn reach_in(&self, system: &System) -> Reach {
+        match &self.protons {
+            Some(protons) => Reach::by_charges(system, &self.potential, |kind| {
+                protons.strongest(system, kind)
+            }),
+            None => Reach::new(system, &self.potential),
         }
     }
 
     fn prepare(&mut self, system: &System) {
-        self.reach = Reach::new(system, &self.potential);
+        self.reach = self.reach_in(system);
         self.proposed.clear();
+        if let Some(protons) = &mut self.protons {
+            protons.prepare(system);
+        }
+    }
+
+    fn energy_kt(&self, pair: &Pair<'_>) -> Result<Option<f64>> {
+        match &self.protons {
+            Some(protons) => {
+                let charges = [pair.first, pair.second].map(|body| protons.charges(body));
+                sum_over_images_kt(&self.potential, &self.reach, pair, charges)
+            }
+            None => direct_energy_kt(&self.potential, &self.reach, pair),
+        }
     }
 
     fn propose(&mut self, pair: &Pair<'_>) -> Result<f64> {
-        let Some(energy_kt) = direct_energy_kt(&self.potential, &self.reach, pair)? else {
+        let Some(energy_kt) = self.energy_kt(pair)? else {
             return Ok(0.0);
         };
         // Kept until the move is decided: an accepted one needs no second sum.
@@ -52,12 +95,22 @@ pub(super) fn direct_energy_kt(
     reach: &Reach,
     pair: &Pair<'_>,
 ) -> Result<Option<f64>> {
-    // `None` and zero differ: a pair without images is not listed, one that holds nothing is.
     let (first, second) = pair.types();
+    sum_over_images_kt(potential, reach, pair, [&first.charges, &second.charges])
+}
+
+/// The same for these charges of the first and the second body.
+fn sum_over_images_kt(
+    potential: &Yukawa,
+    reach: &Reach,
+    pair: &Pair<'_>,
+    [first, second]: [&ChargeCloud; 2],
+) -> Result<Option<f64>> {
+    // `None` and zero differ: a pair without images is not listed, one that holds nothing is.
     let mut energy_kt = None;
     for displacement in reach.images(pair) {
         let relative = pair.relative_image(&displacement);
-        let image = pair_energy_kt(potential, &first.charges, &second.charges, &relative);
+        let image = pair_energy_kt(potential, first, second, &relative);
         *energy_kt.get_or_insert(0.0) += image;
     }
     let checked = |energy_kt| finite(pair.first, pair.second, energy_kt);
@@ -66,17 +119,17 @@ pub(super) fn direct_energy_kt(
 
 impl EnergyModel for DirectSum {
     fn range_angstrom(&self, system: &System) -> f64 {
-        Reach::new(system, &self.potential).largest_angstrom()
+        self.reach_in(system).largest_angstrom()
     }
 
     fn require_room(&self, system: &System) -> Result<()> {
         require_room(system, &self.potential)
     }
 
+    /// Keeps the protons of the bodies.
     fn reset(&mut self, system: &System) -> Result<()> {
         self.prepare(system);
-        let energy = |pair: &Pair<'_>| direct_energy_kt(&self.potential, &self.reach, pair);
-        self.energies = all_pairs(system, energy)?;
+        self.energies = all_pairs(system, |pair| self.energy_kt(pair))?;
         Ok(())
     }
 
@@ -121,9 +174,7 @@ impl EnergyModel for DirectSum {
     }
 
     fn energy_elsewhere_kt(&self, system: &System, pairs: Pairs<'_>, _: Effort) -> Result<f64> {
-        sum_of_pairs(system, pairs, |pair| {
-            direct_energy_kt(&self.potential, &self.reach, pair)
-        })
+        sum_of_pairs(system, pairs, |pair| self.energy_kt(pair))
     }
 
     fn pairs(&self, _: &System) -> Vec<PairEnergy> {
@@ -131,6 +182,59 @@ impl EnergyModel for DirectSum {
             .pairs()
             .map(|(first, second, energy_kt)| PairEnergy::new(first, second, energy_kt))
             .collect()
+    }
+
+    fn change_protons(
+        &mut self,
+        system: &System,
+        body: usize,
+        partners: &[usize],
+        rng: &mut CounterRng,
+    ) -> Result<bool> {
+        let Some(protons) = &mut self.protons else {
+            return Ok(false);
+        };
+        let Some(change) = protons.propose(system.type_index(body), body, rng) else {
+            return Ok(false);
+        };
+        let mut rise_kt = change.own_kt;
+        // Linear in the charges: only those that change are summed.
+        let mut rises = Vec::with_capacity(partners.len());
+        for &partner in partners {
+            let pair = system.pair(body, partner);
+            let charges = [pair.first, pair.second].map(|other| match other == body {
+                true => &change.charges,
+                false => protons.charges(other),
+            });
+            if let Some(rise) = sum_over_images_kt(&self.potential, &self.reach, &pair, charges)? {
+                rise_kt += rise;
+                rises.push((pair.first, pair.second, rise));
+            }
+        }
+        if rise_kt >= change.budget_kt {
+            return Ok(false);
+        }
+        for (first, second, rise) in rises {
+            let old = self.energies.get(first, second).unwrap_or(0.0);
+            self.energies.set(first, second, old + rise);
+        }
+        protons.take(system.type_index(body), body, change.states);
+        Ok(true)
+    }
+
+    fn protonation(&self) -> &[Vec<bool>] {
+        self.protons.as_ref().map_or(&[], Protons::states)
+    }
+
+    fn take_protonation(&mut self, system: &System, states: &[Vec<bool>]) -> Result<()> {
+        match &mut self.protons {
+            Some(protons) => protons.take_all(system, states),
+            None => require_fixed(states),
+        }
+    }
+
+    fn net_charges_e(&self) -> Option<Vec<f64>> {
+        self.protons.as_ref().map(Protons::net_charges_e)
     }
 }
 

@@ -24,7 +24,6 @@ pub use far_field::FarField;
 pub use none::NoCharges;
 pub use pair_sum::pair_energy_kt;
 pub(crate) use potential::SitePotential;
-pub use regulated::Regulated;
 pub use residue_contacts::{BeadPair, ContactPotential};
 pub use with_terms::{TermsByType, WithTerms};
 
@@ -222,12 +221,7 @@ pub trait EnergyModel: Send {
     /// # Errors
     /// [`McError::ForeignCheckpoint`] if the groups are others.
     fn take_protonation(&mut self, _system: &System, states: &[Vec<bool>]) -> Result<()> {
-        match states.is_empty() {
-            true => Ok(()),
-            false => Err(McError::ForeignCheckpoint(
-                "its bodies have titratable groups, and these have fixed charges".into(),
-            )),
-        }
+        require_fixed(states)
     }
 
     /// Net charge of each body, e; `None` for models with fixed charges.
@@ -309,6 +303,16 @@ impl Pairs<'_> {
                 bodies.binary_search(&first).is_ok() || bodies.binary_search(&second).is_ok()
             }
         }
+    }
+}
+
+/// Refuses protons of a checkpoint for bodies with fixed charges.
+fn require_fixed(states: &[Vec<bool>]) -> Result<()> {
+    match states.is_empty() {
+        true => Ok(()),
+        false => Err(McError::ForeignCheckpoint(
+            "its bodies have titratable groups, and these have fixed charges".into(),
+        )),
     }
 }
 

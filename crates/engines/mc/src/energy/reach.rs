@@ -26,26 +26,31 @@ pub(crate) struct Reach {
 impl Reach {
     /// The reach by |E| ≤ v(d) Σ|q_k| Σ|q_l| for charges no nearer than d.
     pub fn new(system: &System, potential: &Yukawa) -> Self {
-        let types = system.types().len();
-        let mut reach = Self {
-            types,
-            by_types: Vec::with_capacity(types * types),
-            largest: 0.0,
-        };
-        for first in system.types() {
-            for second in system.types() {
-                let product =
-                    first.charges.sum_of_magnitudes_e() * second.charges.sum_of_magnitudes_e();
+        Self::by_charges(system, potential, |kind| {
+            let charges = &system.types()[kind].charges;
+            (charges.sum_of_magnitudes_e(), charges.radius_angstrom())
+        })
+    }
+
+    /// The same for bodies whose charges `strongest` states by type: Σ|q| (e), and their radius (Å).
+    pub fn by_charges(
+        system: &System,
+        potential: &Yukawa,
+        strongest: impl Fn(usize) -> (f64, f64),
+    ) -> Self {
+        let charges: Vec<_> = (0..system.types().len()).map(strongest).collect();
+        let mut distances = Vec::with_capacity(charges.len() * charges.len());
+        for first in &charges {
+            for second in &charges {
+                let product = first.0 * second.0;
                 // Beyond this gap of the nearest charges, v(d)
                 // Σ|q| Σ|q| is below the negligible energy.
                 let gap = potential.reach_angstrom(product, NEGLIGIBLE_KT);
-                let radii = first.charge_radius_angstrom() + second.charge_radius_angstrom();
-                let distance = if product > 0.0 { gap + radii } else { 0.0 };
-                reach.by_types.push(distance);
+                let radii = first.1 + second.1;
+                distances.push(if product > 0.0 { gap + radii } else { 0.0 });
             }
         }
-        reach.largest = reach.largest_placed(system);
-        reach
+        Self::of_types(system, distances)
     }
 
     /// A shorter reach, from [multipoles](super::FarField).

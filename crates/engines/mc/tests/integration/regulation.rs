@@ -4,7 +4,7 @@ use crate::common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::statistics::RunningMoments;
 use protomer_kernel::{Boundary, Pose, Vec3};
-use protomer_mc::energy::{DirectSum, Effort, EnergyModel, Regulated};
+use protomer_mc::energy::{DirectSum, Effort, EnergyModel};
 use protomer_mc::titratable::{Tautomers, TitratableCharges, TitratableGroup};
 use protomer_mc::{BodyType, Checkpoint, Interaction, Settings, Simulation, System};
 use std::f64::consts::LN_10;
@@ -147,7 +147,7 @@ fn simulation(
     Simulation::with_model(
         system,
         settings,
-        Box::new(Regulated::new(yukawa, groups)),
+        Box::new(DirectSum::regulated(yukawa, groups)),
         5,
         0,
     )
@@ -355,7 +355,12 @@ fn a_continued_run_equals_the_uninterrupted_one() {
     let boundary = Boundary::periodic(Vec3::repeat(60.0)).unwrap();
     let system = System::new(types, &bodies, boundary).unwrap();
     let yukawa = Yukawa::uncut(7.0, 0.3).unwrap();
-    let model = || Box::new(Regulated::new(yukawa, vec![Some(kind.charges()), None]));
+    let model = || {
+        Box::new(DirectSum::regulated(
+            yukawa,
+            vec![Some(kind.charges()), None],
+        ))
+    };
     let settings = Settings {
         equilibration_sweeps: 20,
         cluster_moves_per_sweep: 1,
@@ -402,7 +407,10 @@ fn a_continued_run_equals_the_uninterrupted_one() {
 
     // A run with fixed charges cannot go on from it, nor bodies with other groups.
     let fixed = Box::new(DirectSum::new(yukawa)) as Box<dyn EnergyModel>;
-    let other = Box::new(Regulated::new(yukawa, vec![None, Some(kind.charges())]));
+    let other = Box::new(DirectSum::regulated(
+        yukawa,
+        vec![None, Some(kind.charges())],
+    ));
     for model in [fixed, other] {
         let refused = Simulation::resume_with_model(system.clone(), whole.checkpoint(), model);
         assert!(refused.is_err_and(|error| error.to_string().contains("titratable groups")));
@@ -431,6 +439,6 @@ fn without_moves_of_protons_the_run_is_that_of_the_direct_sum() {
             .unwrap();
         simulation.system().poses().to_vec()
     };
-    let regulated = run(Box::new(Regulated::new(yukawa, vec![Some(charges)])));
+    let regulated = run(Box::new(DirectSum::regulated(yukawa, vec![Some(charges)])));
     assert_eq!(regulated, run(Box::new(DirectSum::new(yukawa))));
 }

@@ -14,7 +14,7 @@ use anyhow::{Context, Result, bail};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::energy::terms::TermsOfKinds;
-use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, Regulated, TermsByType, WithTerms};
+use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTerms};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::pair::{BodyPair, Charged, Core, Terms};
 use protomer_mc::{BodyType, Interaction, McError, Settings, System};
@@ -256,7 +256,7 @@ impl Engine {
     ) -> Result<Box<dyn EnergyModel>> {
         if run.proton_moves_per_sweep > 0 {
             let groups = titratable::groups_of_bodies(&self.assembly.bodies, interaction)?;
-            let charges = Box::new(Regulated::new(interaction.yukawa()?, groups));
+            let charges = Box::new(DirectSum::regulated(interaction.yukawa()?, groups));
             return Ok(match &self.terms {
                 Some(terms) => Box::new(WithTerms::new(charges, terms.clone())),
                 None => charges,
