@@ -74,6 +74,9 @@ pub enum KernelError {
          such as A.off+B.off, or give the corners of the hull alone"
     )]
     NotConvex(String),
+    /// Points through which no curve can be drawn.
+    #[error("{0}")]
+    BadTable(String),
     /// A periodic box in which a body would meet two images of another.
     #[error(
         "interactions reach {range_angstrom:.2} Å, so every box length must be at least {:.2} Å; \

@@ -26,6 +26,7 @@
 //! | [`shape`] | convex shapes, and what is known of them exactly |
 //! | [`setting`] | values of settings by kind, and enums whose names and texts users see |
 //! | [`sparse`] | symmetric sparse systems of a fixed pattern |
+//! | [`spline`] | cubic splines through points |
 //! | [`statistics`] | averages of correlated series and their errors |
 //!
 //! Lengths are in Å, energies in kT, charges in elementary charges, salt in mol/L.
@@ -53,6 +54,7 @@ pub mod random;
 pub mod setting;
 pub mod shape;
 pub mod sparse;
+pub mod spline;
 pub mod statistics;
 pub mod units;
 pub mod vectorised;

@@ -1,7 +1,7 @@
 //! What follows from a measured equation of state.
 
 use crate::error::Result;
-use crate::spline::Spline;
+use protomer_kernel::spline::{Ends, Spline};
 
 /// Smallest number of packing fractions for a spline; the point at zero is added to them.
 pub const FEWEST_TO_INTEGRATE: usize = 3;
@@ -82,8 +82,12 @@ fn integrals(
     at_zero: f64,
     value: impl Fn(usize, &Factor) -> f64,
 ) -> Result<Vec<f64>> {
-    let others = factors.iter().enumerate();
-    let others = others.map(|(number, factor)| (factor.packing_fraction, value(number, factor)));
-    let spline = Spline::through(std::iter::once((0.0, at_zero)).chain(others))?;
-    Ok(spline.integrals().split_off(1))
+    let (mut x, mut y) = (vec![0.0], vec![at_zero]);
+    for (number, factor) in factors.iter().enumerate() {
+        x.push(factor.packing_fraction);
+        y.push(value(number, factor));
+    }
+    Ok(Spline::through(&x, &y, Ends::Cubic)?
+        .integrals()
+        .split_off(1))
 }

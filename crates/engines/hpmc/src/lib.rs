@@ -27,7 +27,6 @@
 //! | [`symmetry`] | the rotations that leave a body as it is, and what holds its orientation |
 //! | [`einstein`] | bodies on springs, and their free energy |
 //! | [`frenkel_ladd`] | the free energy of a crystal, by springs of falling strength |
-//! | [`spline`] | cubic splines |
 //! | [`equation_of_state`] | free energies of fluids by integration |
 //! | [`polynomial`] | polynomials fitted to measured values, as smooth as their errors allow |
 //! | [`measured_phase`] | free energies of phases from what simulations measured |
@@ -58,7 +57,6 @@ pub mod polynomial;
 pub mod potential;
 pub mod reservoir;
 pub mod simulation;
-pub mod spline;
 pub mod start;
 pub mod static_free_volume;
 pub mod symmetry;

@@ -60,9 +60,6 @@ pub enum CrystalError {
         /// Row, column and vertex at which no rod ends.
         end: [usize; 3],
     },
-    /// A table of a potential that is none.
-    #[error("{0}")]
-    BadTable(String),
     /// A state that does not fit the network.
     #[error("{0}")]
     BadState(String),

@@ -11,8 +11,8 @@
 
 use super::force::{Force, coherent_part};
 use super::network::Network;
-use super::spline::Spline;
 use crate::error::{CrystalError, Result};
+use protomer_kernel::spline::Spline;
 
 /// A share of the squared sum of inertia below which all squares have one sign.
 const ONE_SIGN: f64 = 1e-12;
@@ -20,9 +20,10 @@ const ONE_SIGN: f64 = 1e-12;
 /// The potential V(φ) of the opening φ of every joint.
 ///
 /// ```
-/// use protomer_linkage::lattice::{Edges, Force, JointPotential, Network, Spline, Square, State};
+/// use protomer_linkage::lattice::{Edges, Force, JointPotential, Network, Square, State};
+/// use protomer_kernel::spline::{Ends, Spline};
 /// let network = Network::lattice(2, 2, 0.5, Square::default(), Edges::Open, 0.3)?;
-/// let spline = Spline::through(&[0.0, 1.0, 2.0, 3.0], &[0.0, 2.0, 1.0, 0.0])?;
+/// let spline = Spline::through(&[0.0, 1.0, 2.0, 3.0], &[0.0, 2.0, 1.0, 0.0], Ends::Straight)?;
 /// let potential = JointPotential::new(&network, spline.clone())?;
 /// let state = State::coherent(&network, 0.3);
 /// let mut accelerations = vec![0.0; state.positions.len()];
@@ -106,7 +107,7 @@ impl Force for JointPotential {
         let mut sum = 0.0;
         for joint in &self.joints {
             let [p, q] = joint.squares;
-            let [energy, slope] = self.spline.evaluate(joint.opening(positions));
+            let [energy, slope, _] = self.spline.evaluate(joint.opening(positions));
             let torque = joint.sign * slope;
             accelerations[3 * p + 2] -= torque / network.squares[p].inertia;
             accelerations[3 * q + 2] += torque / network.squares[q].inertia;
@@ -119,9 +120,10 @@ impl Force for JointPotential {
 /// The potential N U(θ_c) of the opening θ_c = ⟨θ⟩₁ of N squares.
 ///
 /// ```
-/// use protomer_linkage::lattice::{Edges, Force, Network, OpeningPotential, Spline, Square, State};
+/// use protomer_kernel::spline::{Ends, Spline};
+/// use protomer_linkage::lattice::{Edges, Force, Network, OpeningPotential, Square, State};
 /// let network = Network::lattice(2, 3, 0.5, Square::default(), Edges::Open, 0.3)?;
-/// let spline = Spline::through(&[0.0, 0.5, 1.0], &[0.0, 1.0, 0.0])?;
+/// let spline = Spline::through(&[0.0, 0.5, 1.0], &[0.0, 1.0, 0.0], Ends::Straight)?;
 /// let potential = OpeningPotential::new(&network, spline.clone())?;
 /// let state = State::coherent(&network, 0.3);
 /// let mut accelerations = vec![0.0; state.positions.len()];
@@ -170,7 +172,7 @@ impl OpeningPotential {
 impl Force for OpeningPotential {
     fn accelerate(&self, network: &Network, positions: &[f64], accelerations: &mut [f64]) -> f64 {
         let [_, opening] = coherent_part(network, positions);
-        let [energy, slope] = self.spline.evaluate(opening);
+        let [energy, slope, _] = self.spline.evaluate(opening);
         let squares = self.weights.len() as f64;
         for (p, weight) in self.weights.iter().enumerate() {
             accelerations[3 * p + 2] -= squares * slope * weight;

@@ -24,7 +24,6 @@
 //! | [`drag`] | linear friction |
 //! | [`thermostat`] | Langevin dynamics at a temperature |
 //! | [`pair`] | screened charges on the squares |
-//! | [`spline`] | a potential given at points |
 //! | [`angle_potential`] | potentials of the angle between joined squares and of the opening |
 //! | [`load`] | a stress on a lattice with open edges |
 //! | [`mover`] | forces, collisions and heat bath of a run in one |
@@ -54,7 +53,6 @@ pub mod paper;
 pub mod plan;
 pub mod projector;
 pub mod rods;
-pub mod spline;
 pub mod square_of_body;
 pub mod start;
 pub mod state;
@@ -74,7 +72,6 @@ pub use network::{Corner, Edges, Network, Rod, Square};
 pub use pair::ScreenedCharges;
 pub use plan::{ListedRod, OtherSquare, Plan};
 pub use projector::Projector;
-pub use spline::Spline;
 pub use start::{Start, StartVelocities, Started};
 pub use state::State;
 pub use thermostat::Langevin;

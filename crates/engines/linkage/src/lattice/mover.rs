@@ -12,11 +12,11 @@ use super::load::{Load, Stress};
 use super::network::Network;
 use super::pair::{ScreenedCharges, SquareCharge};
 use super::paper::{PaperEngine, PaperSettings, PaperStatistics};
-use super::spline::Spline;
 use super::state::State;
 use super::thermostat::Langevin;
 use crate::Result;
 use protomer_kernel::potential::Yukawa;
+use protomer_kernel::spline::Spline;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

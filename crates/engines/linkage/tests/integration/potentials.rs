@@ -4,13 +4,14 @@
 use crate::common::{drawn_start, lattice};
 use nalgebra::Matrix2;
 use protomer_kernel::random::CounterRng;
+use protomer_kernel::spline::{Ends, Spline};
 use protomer_kernel::statistics::RunningMoments;
 use protomer_linkage::analysis::strain::{biot_strain, corners, deformation_gradient};
 use protomer_linkage::lattice::angle_potential::openings;
 use protomer_linkage::lattice::load::reference_area;
 use protomer_linkage::lattice::{
     Edges, Force, JointPotential, Langevin, Load, Meetings, Motion, Mover, Network,
-    OpeningPotential, Spline, Square, State, Stress,
+    OpeningPotential, Square, State, Stress,
 };
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::sync::Arc;
@@ -24,7 +25,7 @@ fn double_well(depth: f64, points: usize) -> Spline {
         .iter()
         .map(|x| depth * (2.0 * (x - FRAC_PI_2)).cos())
         .collect();
-    Spline::through(&angles, &energies).unwrap()
+    Spline::through(&angles, &energies, Ends::Straight).unwrap()
 }
 
 /// Squares of different mass and inertia, one missing, turned at random off the coherent state.
@@ -219,7 +220,7 @@ fn a_heat_bath_samples_the_angle_potential() {
         .iter()
         .map(|x| 0.5 * 4.0 * (x + 0.4).powi(2))
         .collect();
-    let spline = Spline::through(&angles, &energies).unwrap();
+    let spline = Spline::through(&angles, &energies, Ends::Straight).unwrap();
     let motion = Motion {
         angle_potential: Some(spline.clone()),
         meeting: Meetings::Ignored,
@@ -275,7 +276,7 @@ fn the_response_to_a_load_is_that_of_the_fluctuations() {
     let kt = 0.05;
     let angles: Vec<f64> = (0..200).map(|k| -3.0 + 0.04 * f64::from(k)).collect();
     let energies: Vec<f64> = angles.iter().map(|x| 0.5 * (x - 1.0).powi(2)).collect();
-    let spline = Spline::through(&angles, &energies).unwrap();
+    let spline = Spline::through(&angles, &energies, Ends::Straight).unwrap();
     let run = |stress: Stress, seed: u64| {
         let motion = Motion {
             angle_potential: Some(spline.clone()),

@@ -12,7 +12,7 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use protomer_io::csv::cells;
-use protomer_linkage::lattice::Spline;
+use protomer_kernel::spline::{Ends, Spline};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -103,7 +103,7 @@ impl PotentialTable {
             ),
             _ => bail!("give either energy or energy_kt, one for each angle_rad"),
         };
-        Ok(Spline::through(&self.angle_rad, &energies)?)
+        Ok(Spline::through(&self.angle_rad, &energies, Ends::Straight)?)
     }
 
     /// Whether an angle is beyond the first or the last point.
@@ -188,7 +188,7 @@ mod tests {
             ),
             ("angle_rad,energy\n0,1\n1\n", "line 3: '' is no number"),
             ("angle_rad,energy\n0,1\n1,NaN\n", "line 3"),
-            ("angle_rad,energy\n0,1\n", "two points"),
+            ("angle_rad,energy\n0,1\n", "at least 2 points"),
             ("angle_rad,energy\n0,1\n0,2\n", "do not ascend"),
         ] {
             let error = PotentialTable::from_csv("t.csv", text).unwrap_err();

@@ -6,11 +6,12 @@ use anyhow::{Context, Result};
 use protomer_common::range::{Range, STEPS};
 use protomer_common::settings::{Holds, is_default};
 use protomer_kernel::setting::{Choices, Kind, Setting};
+use protomer_kernel::spline::Spline;
 use protomer_linkage::analysis::lyapunov::LyapunovSettings;
 use protomer_linkage::lattice::pair::SquareCharge;
 use protomer_linkage::lattice::paper::PaperSettings;
 use protomer_linkage::lattice::{
-    self, Charges, CollisionSettings, Edges, Langevin, Meetings, Motion, Plan, Spline, Square,
+    self, Charges, CollisionSettings, Edges, Langevin, Meetings, Motion, Plan, Square,
     StartVelocities, Stress,
 };
 pub use protomer_linkage::lattice::{ListedRod, OtherSquare, Screening};

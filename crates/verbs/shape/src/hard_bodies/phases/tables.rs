@@ -3,9 +3,9 @@
 use super::{Coexistence, Phases};
 use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
-use protomer_hpmc::spline::Spline;
 use protomer_hpmc::tangent::{self, Branch, even_samples};
 use protomer_kernel::jet::Jet;
+use protomer_kernel::spline::{Ends, Spline};
 use std::path::PathBuf;
 
 /// Samples of a table's spline.
@@ -27,9 +27,13 @@ pub fn phases_of_tables(paths: &[PathBuf]) -> Result<Phases> {
         let stem = path.file_stem().context("a branch has no file name")?;
         names.push(stem.to_string_lossy().into_owned());
     }
+    let curve = |spline: &Spline, x: Jet| {
+        let [value, slope, curvature] = spline.evaluate(x.value);
+        x.chain(value, slope, curvature)
+    };
     let energies: Vec<_> = splines
         .iter()
-        .map(|spline| |x: Jet| spline.evaluate(x))
+        .map(|spline| move |x| curve(spline, x))
         .collect();
     let mut branches: Vec<Branch<'_>> = Vec::new();
     for (number, spline) in splines.iter().enumerate() {
@@ -89,7 +93,7 @@ fn read_table(name: &str, text: &str) -> Result<Spline> {
             x.len()
         );
     }
-    Spline::through(x.into_iter().zip(y)).with_context(|| name.to_owned())
+    Spline::through(&x, &y, Ends::Cubic).with_context(|| name.to_owned())
 }
 
 #[cfg(test)]
