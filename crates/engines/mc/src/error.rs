@@ -81,6 +81,23 @@ pub enum McError {
 /// The result of an operation of this crate.
 pub type Result<T> = std::result::Result<T, McError>;
 
+/// `Ok` if it `holds`, otherwise the error that names the setting.
+pub(crate) fn require(
+    setting: &'static str,
+    value: f64,
+    requirement: &'static str,
+    holds: bool,
+) -> Result<()> {
+    match holds {
+        true => Ok(()),
+        false => Err(McError::BadSetting {
+            setting,
+            value,
+            requirement,
+        }),
+    }
+}
+
 /// The first few pairs, formatted for a message.
 fn list(pairs: &[(usize, usize)]) -> String {
     const SHOWN: usize = 12;

@@ -1,10 +1,11 @@
 //! The settings of a simulation.
 
+use crate::Result;
 use crate::energy::certified::Certified;
 use crate::energy::levels::Levels;
 use crate::energy::{DirectSum, EnergyModel, NoCharges};
+use crate::error::require;
 use crate::system::System;
-use crate::{McError, Result};
 use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -148,7 +149,7 @@ impl Settings {
     }
 
     /// # Errors
-    /// [`McError::BadSetting`] names the first setting out of range.
+    /// [`McError::BadSetting`](crate::McError::BadSetting) names the first setting out of range.
     pub(crate) fn check(&self) -> Result<()> {
         let reach = self.cluster_axis_reach_angstrom.unwrap_or(1.0);
         let positive = |value: f64| value.is_finite() && value > 0.0;
@@ -197,13 +198,10 @@ impl Settings {
                 "positive",
             ),
         ];
-        match checks.into_iter().find(|check| !check.2) {
-            None => Ok(()),
-            Some((setting, value, _, requirement)) => Err(McError::BadSetting {
-                setting,
-                value,
-                requirement,
-            }),
-        }
+        checks
+            .into_iter()
+            .try_for_each(|(setting, value, holds, requirement)| {
+                require(setting, value, requirement, holds)
+            })
     }
 }

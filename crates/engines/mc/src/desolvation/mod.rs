@@ -28,7 +28,8 @@ mod volume;
 
 use crate::charges::ChargeCloud;
 use crate::energy::terms::{PairPotential, Term};
-use crate::{BodyType, McError, Result};
+use crate::error::require;
+use crate::{BodyType, Result};
 use protomer_kernel::Vec3;
 use protomer_kernel::overlap::CollisionShape;
 use protomer_kernel::pose::RelativePose;
@@ -64,7 +65,7 @@ impl DesolvationBody {
     /// Tabulates the field of a body's effective charges and divides its volume.
     ///
     /// # Errors
-    /// [`McError::BadSetting`] for a cut potential, and for a field without salt, which reaches too
+    /// [`McError::BadSetting`](crate::McError::BadSetting) for a cut potential, and for a field without salt, which reaches too
     /// far for a table.
     pub fn new(
         kind: &BodyType,
@@ -73,20 +74,18 @@ impl DesolvationBody {
         solute: &Solute,
     ) -> Result<Self> {
         let kappa = yukawa.inverse_debye_length_per_angstrom;
-        if yukawa.is_cut() || kappa <= 0.0 {
-            return Err(McError::BadSetting {
-                setting: "inverse Debye length in 1/Å",
-                value: kappa,
-                requirement: "positive and without a cut-off for desolvation; add salt",
-            });
-        }
-        if !(0.0..=1.0).contains(&solute.permittivity_ratio) {
-            return Err(McError::BadSetting {
-                setting: "permittivity inside over that of the solvent",
-                value: solute.permittivity_ratio,
-                requirement: "0 to 1 for desolvation",
-            });
-        }
+        require(
+            "inverse Debye length in 1/Å",
+            kappa,
+            "positive and without a cut-off for desolvation; add salt",
+            !yukawa.is_cut() && kappa > 0.0,
+        )?;
+        require(
+            "permittivity inside over that of the solvent",
+            solute.permittivity_ratio,
+            "0 to 1 for desolvation",
+            (0.0..=1.0).contains(&solute.permittivity_ratio),
+        )?;
         let surface = match &kind.surface {
             // Displaced solvent ends at the molecular surface,
             // if there is one besides the hard shape.

@@ -1,8 +1,9 @@
 //! Attraction between residues: the sum over pairs of beads of two bodies.
 
+use crate::Result;
 use crate::beads::{BeadCloud, BeadGroup, EMPTY_LANE};
 use crate::charges::LANES;
-use crate::{McError, Result};
+use crate::error::require;
 use protomer_body::chemistry::AminoAcid;
 use protomer_body::residue_contacts::{CONTACT_CUTOFF_ANGSTROM, ContactScale};
 use protomer_kernel::Vec3;
@@ -63,15 +64,14 @@ impl ContactPotential {
     /// ```
     ///
     /// # Errors
-    /// [`McError::BadSetting`] for a strength that is not between 0 and 100.
+    /// [`McError::BadSetting`](crate::McError::BadSetting) for a strength that is not between 0 and 100.
     pub fn new(scale: ContactScale, strength: f64, temperature_kelvin: f64) -> Result<Self> {
-        if !(0.0..=100.0).contains(&strength) {
-            return Err(McError::BadSetting {
-                setting: "strength of the contact term",
-                value: strength,
-                requirement: "from 0 to 100; 1 is the published scale",
-            });
-        }
+        require(
+            "strength of the contact term",
+            strength,
+            "from 0 to 100; 1 is the published scale",
+            (0.0..=100.0).contains(&strength),
+        )?;
         let per_kt = strength / kilojoule_per_mol_per_kt(temperature_kelvin);
         let mut rows = vec![[PairOfKinds::default(); KINDS]; KINDS];
         for first in AminoAcid::all() {

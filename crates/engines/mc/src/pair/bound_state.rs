@@ -10,8 +10,9 @@
 
 use super::BodyPair;
 use super::region::{Region, density};
+use crate::Result;
+use crate::error::require;
 use crate::nested::{Nested, Space, Step, Stepped, ln_sum, nested};
-use crate::{McError, Result};
 use nalgebra::Vector6;
 use protomer_kernel::Pose;
 use protomer_kernel::pose::RelativePose;
@@ -77,7 +78,7 @@ impl BodyPair {
     /// room around it. `goes_on` is asked after each step and ends the work early with `false`.
     ///
     /// # Errors
-    /// [`McError::BadSetting`] for settings out of range.
+    /// [`McError::BadSetting`](crate::McError::BadSetting) for settings out of range.
     pub fn bound_state(
         &self,
         about: &Pose,
@@ -176,32 +177,14 @@ impl Space for Poses<'_> {
 }
 
 fn check(settings: &BoundStateSettings) -> Result<()> {
-    let bad = |setting, value, requirement| {
-        Err(McError::BadSetting {
-            setting,
-            value,
-            requirement,
-        })
-    };
-    if !(20..=1_000_000).contains(&settings.live_poses) {
-        return bad("live poses", settings.live_poses as f64, "20 to 1 000 000");
-    }
-    if !(2..=1000).contains(&settings.runs) {
-        let requirement = "2 to 1000: their spread is part of the error";
-        return bad(
-            "runs of a bound state",
-            f64::from(settings.runs),
-            requirement,
-        );
-    }
-    if !(0.1..=50.0).contains(&settings.limit_angstrom) {
-        return bad(
-            "limit of a bound state in Å",
-            settings.limit_angstrom,
-            "0.1 to 50",
-        );
-    }
-    Ok(())
+    let (poses, runs, limit) = (settings.live_poses, settings.runs, settings.limit_angstrom);
+    let enough = (20..=1_000_000).contains(&poses);
+    require("live poses", poses as f64, "20 to 1 000 000", enough)?;
+    let spread = "2 to 1000: their spread is part of the error";
+    let has_spread = (2..=1000).contains(&runs);
+    require("runs of a bound state", f64::from(runs), spread, has_spread)?;
+    let is_near = (0.1..=50.0).contains(&limit);
+    require("limit of a bound state in Å", limit, "0.1 to 50", is_near)
 }
 
 impl Region {

@@ -7,6 +7,7 @@ use super::proposal::{Proposal, Width};
 use super::radial::{RaySample, hard_ray};
 use super::replicas::mean_and_error;
 use super::wells::apart;
+use crate::error::require;
 use crate::{McError, Result};
 use protomer_kernel::Pose;
 use protomer_kernel::random::{CounterRng, Purpose};
@@ -93,36 +94,33 @@ impl PairSettings {
     /// # Errors
     /// [`McError::BadSetting`] names the setting.
     pub fn check(&self) -> Result<()> {
-        let bad = |setting, value: f64, requirement| {
-            Err(McError::BadSetting {
-                setting,
-                value,
-                requirement,
-            })
-        };
-        if !(4..=1000).contains(&self.replicas) {
-            let requirement = "4 to 1000: their spread is the error";
-            return bad("number of replicas", f64::from(self.replicas), requirement);
-        }
+        let spread = "4 to 1000: their spread is the error";
+        let has_spread = (4..=1000).contains(&self.replicas);
+        require(
+            "number of replicas",
+            f64::from(self.replicas),
+            spread,
+            has_spread,
+        )?;
         let counts = [
             ("directions of the pilot", self.pilot_directions),
             ("directions without energies", self.hard_directions),
             ("most directions", self.most_directions),
         ];
         for (setting, count) in counts {
-            if !(64..=1_000_000_000).contains(&count) {
-                return bad(setting, count as f64, "64 to 1 000 000 000");
-            }
+            let is_between = (64..=1_000_000_000).contains(&count);
+            require(setting, count as f64, "64 to 1 000 000 000", is_between)?;
         }
-        if !(1e-6..=1.0).contains(&self.relative_error) {
-            return bad("relative error", self.relative_error, "1e-6 to 1");
-        }
-        if let Some(error) = self.error_angstrom3
-            && !(error.is_finite() && error > 0.0)
-        {
-            return bad("error of B2 in Å³", error, "positive");
-        }
-        Ok(())
+        let is_between = (1e-6..=1.0).contains(&self.relative_error);
+        require(
+            "relative error",
+            self.relative_error,
+            "1e-6 to 1",
+            is_between,
+        )?;
+        let error = self.error_angstrom3.unwrap_or(1.0);
+        let is_positive = error.is_finite() && error > 0.0;
+        require("error of B2 in Å³", error, "positive", is_positive)
     }
 }
 

@@ -1,11 +1,12 @@
 //! The terms of the energy of two bodies: screened charges, attraction between residues.
 
+use crate::Result;
 use crate::beads::BeadCloud;
 use crate::charges::ChargeCloud;
 use crate::energy::levels::Table;
 use crate::energy::terms::{PairPotential, Term};
 use crate::energy::{ContactPotential, SitePotential, pair_energy_kt};
-use crate::{McError, Result};
+use crate::error::require;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
@@ -95,17 +96,16 @@ impl Charged {
     /// The charges of two bodies under a potential.
     ///
     /// # Errors
-    /// [`McError::BadSetting`] without screening: the integrals then do not converge.
+    /// [`McError::BadSetting`](crate::McError::BadSetting) without screening: the integrals then do not converge.
     pub fn new(yukawa: Yukawa, first: &ChargeCloud, second: &ChargeCloud) -> Result<Self> {
         let kappa = yukawa.inverse_debye_length_per_angstrom;
-        if kappa <= 0.0 && !yukawa.is_cut() {
-            return Err(McError::BadSetting {
-                setting: "inverse Debye length in 1/Å",
-                value: kappa,
-                requirement: "positive, because the virial coefficient of unscreened charges has \
+        require(
+            "inverse Debye length in 1/Å",
+            kappa,
+            "positive, because the virial coefficient of unscreened charges has \
                               no value; add salt",
-            });
-        }
+            kappa > 0.0 || yukawa.is_cut(),
+        )?;
         Ok(Self {
             yukawa,
             first: first.clone(),

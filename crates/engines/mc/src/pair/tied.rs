@@ -13,7 +13,8 @@
 
 use super::BodyPair;
 use super::bound_state::relative;
-use crate::{McError, Result};
+use crate::Result;
+use crate::error::require;
 use nalgebra::{Rotation3, Unit, UnitQuaternion};
 use protomer_kernel::{Pose, Vec3};
 use rayon::prelude::*;
@@ -57,37 +58,19 @@ impl Tie {
     /// Checks that the axis is a unit vector and the arm across it.
     ///
     /// # Errors
-    /// [`McError::BadSetting`] names what is not.
+    /// [`McError::BadSetting`](crate::McError::BadSetting) names what is not.
     pub fn check(&self) -> Result<()> {
-        let refuse = |setting, value, requirement| {
-            Err(McError::BadSetting {
-                setting,
-                value,
-                requirement,
-            })
-        };
         let length = self.axis.norm();
         let is_unit = (length - 1.0).abs() < 1e-6;
-        if !is_unit {
-            return refuse("length of the axis", length, "1");
-        }
+        require("length of the axis", length, "1", is_unit)?;
         let component = self.axis.dot(&self.arm);
         let arm = self.arm.norm();
-        if !(arm > 0.0 && component.abs() < 1e-6 * arm) {
-            return refuse(
-                "arm along the axis in Å",
-                component,
-                "0, and the arm longer than that",
-            );
-        }
-        if !(self.rod_angstrom.is_finite() && self.rod_angstrom >= 0.0) {
-            return refuse(
-                "length of the rod in Å",
-                self.rod_angstrom,
-                "zero or positive",
-            );
-        }
-        Ok(())
+        let is_across = arm > 0.0 && component.abs() < 1e-6 * arm;
+        let longer = "0, and the arm longer than that";
+        require("arm along the axis in Å", component, longer, is_across)?;
+        let rod = self.rod_angstrom;
+        let is_length = rod.is_finite() && rod >= 0.0;
+        require("length of the rod in Å", rod, "zero or positive", is_length)
     }
 
     /// The pose of the second body in the frame of the first at a bend and a direction of the rod,
@@ -127,7 +110,7 @@ impl Tie {
 /// F at these bends (rad), from so many directions of the rod.
 ///
 /// # Errors
-/// Those of [`Tie::check`]; [`McError::BadSetting`] for fewer than eight directions or an odd number.
+/// Those of [`Tie::check`]; [`McError::BadSetting`](crate::McError::BadSetting) for fewer than eight directions or an odd number.
 pub fn mean_force(
     pair: &BodyPair,
     tie: &Tie,
@@ -135,13 +118,14 @@ pub fn mean_force(
     directions: usize,
 ) -> Result<Vec<TiedPoint>> {
     tie.check()?;
-    if directions < FEWEST_DIRECTIONS || !directions.is_multiple_of(2) {
-        return Err(McError::BadSetting {
-            setting: "number of directions",
-            value: directions as f64,
-            requirement: "even, and eight or more",
-        });
-    }
+    let is_even = directions >= FEWEST_DIRECTIONS && directions.is_multiple_of(2);
+    let requirement = "even, and eight or more";
+    require(
+        "number of directions",
+        directions as f64,
+        requirement,
+        is_even,
+    )?;
     let bends = bends_rad.par_iter();
     Ok(bends
         .map(|bend_rad| at_bend(pair, tie, *bend_rad, directions))

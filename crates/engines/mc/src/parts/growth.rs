@@ -13,9 +13,10 @@ use super::configuration::{BodyEnergies, Configuration, Flexible, Moved};
 use super::unbiased::attach_by_windows;
 use super::windows::{WindowSettings, WindowsFound};
 use super::{Arrangement, PartKind};
+use crate::Result;
+use crate::error::require;
 use crate::nested::{Nested, Space, Step, Stepped, WANTED_STEPS, nested};
 use crate::pair::region::{Region, density};
-use crate::{McError, Result};
 use protomer_kernel::Pose;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::statistics::RunningMoments;
@@ -259,7 +260,7 @@ impl PartSamples {
 /// work was ended. `number` tells the parts apart that share a seed; `goes_on` is asked after each step.
 ///
 /// # Errors
-/// [`McError::BadSetting`] for settings out of range; [`McError::BadSystem`] for umbrella windows that have nothing in common.
+/// [`McError::BadSetting`](crate::McError::BadSetting) for settings out of range; [`McError::BadSystem`](crate::McError::BadSystem) for umbrella windows that have nothing in common.
 pub fn attach(
     arrangement: &Arrangement,
     (number, part): (u32, &PartKind),
@@ -329,25 +330,16 @@ impl GrowthSettings {
     /// Refuses settings out of range.
     ///
     /// # Errors
-    /// [`McError::BadSetting`] names the setting and its range.
+    /// [`McError::BadSetting`](crate::McError::BadSetting) names the setting and its range.
     pub fn check(&self) -> Result<()> {
-        let bad = |setting, value, requirement| {
-            Err(McError::BadSetting {
-                setting,
-                value,
-                requirement,
-            })
-        };
-        if !(20..=1_000_000).contains(&self.live_states) {
-            return bad("live states", self.live_states as f64, "20 to 1 000 000");
-        }
-        if !(2..=MOST_RUNS).contains(&self.runs) {
-            let requirement = "2 to 1000: their spread is the error";
-            return bad("runs of a part", f64::from(self.runs), requirement);
-        }
-        if !(0.1..=50.0).contains(&self.limit_angstrom) {
-            return bad("limit of a part in Å", self.limit_angstrom, "0.1 to 50");
-        }
+        let (states, runs, limit) = (self.live_states, self.runs, self.limit_angstrom);
+        let enough = (20..=1_000_000).contains(&states);
+        require("live states", states as f64, "20 to 1 000 000", enough)?;
+        let spread = "2 to 1000: their spread is the error";
+        let has_spread = (2..=MOST_RUNS).contains(&runs);
+        require("runs of a part", f64::from(runs), spread, has_spread)?;
+        let is_near = (0.1..=50.0).contains(&limit);
+        require("limit of a part in Å", limit, "0.1 to 50", is_near)?;
         self.windows.map_or(Ok(()), |windows| windows.check())
     }
 }

@@ -7,8 +7,10 @@
 //! w_k = ½ (1.5/s)² (ln d - ln d_k)²     with the spacing s; flat below the first d_k and above the last
 //! ```
 
-use crate::{McError, Result};
+use crate::Result;
+use crate::error::require;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 /// Settings of umbrella windows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,30 +35,31 @@ impl Default for WindowSettings {
 /// rarely; for narrower ones exchanges are rare: 0.29 of them are accepted here, and 0.16 with a spacing of two.
 const SPACING: f64 = 1.5;
 /// Fewest and most windows.
-const WINDOWS: (usize, usize) = (4, 400);
+const WINDOWS: RangeInclusive<usize> = 4..=400;
 /// Fewest and most sweeps.
-const SWEEPS: (u64, u64) = (100, 1_000_000);
+const SWEEPS: RangeInclusive<u64> = 100..=1_000_000;
 
 impl WindowSettings {
     /// Refuses settings out of range.
     ///
     /// # Errors
-    /// [`McError::BadSetting`] names the setting and its range.
+    /// [`McError::BadSetting`](crate::McError::BadSetting) names the setting and its range.
     pub fn check(&self) -> Result<()> {
-        let bad = |setting, value, requirement| {
-            Err(McError::BadSetting {
-                setting,
-                value,
-                requirement,
-            })
-        };
-        if !(WINDOWS.0..=WINDOWS.1).contains(&self.windows) {
-            return bad("number of windows", self.windows as f64, "4 to 400");
-        }
-        if !(SWEEPS.0..=SWEEPS.1).contains(&self.sweeps) {
-            return bad("sweeps of a window", self.sweeps as f64, "100 to 1 000 000");
-        }
-        Ok(())
+        let count = self.windows as f64;
+        require(
+            "number of windows",
+            count,
+            "4 to 400",
+            WINDOWS.contains(&self.windows),
+        )?;
+        let sweeps = self.sweeps as f64;
+        let range = "100 to 1 000 000";
+        require(
+            "sweeps of a window",
+            sweeps,
+            range,
+            SWEEPS.contains(&self.sweeps),
+        )
     }
 }
 

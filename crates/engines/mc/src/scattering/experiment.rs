@@ -6,6 +6,7 @@ use super::directions::Directions;
 use super::scatterers::{Distances, Scatterers};
 use super::structure_factor::{evaluate, open};
 use super::wave_vectors::{Shell, shells};
+use crate::error::require;
 use crate::observables::contacts;
 use crate::{McError, Result, System};
 use nalgebra::Complex;
@@ -72,22 +73,11 @@ impl Settings {
             ("light_q_per_angstrom", self.light_q_per_angstrom),
         ];
         for (setting, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(McError::BadSetting {
-                    setting,
-                    value,
-                    requirement: "positive",
-                });
-            }
+            require(setting, value, "positive", value.is_finite() && value > 0.0)?;
         }
-        if !(0.0..=100.0).contains(&self.hydration_angstrom) {
-            return Err(McError::BadSetting {
-                setting: "hydration_angstrom",
-                value: self.hydration_angstrom,
-                requirement: "from 0 to 100 Å",
-            });
-        }
-        Ok(())
+        let depth = self.hydration_angstrom;
+        let is_between = (0.0..=100.0).contains(&depth);
+        require("hydration_angstrom", depth, "from 0 to 100 Å", is_between)
     }
 }
 
@@ -164,13 +154,12 @@ impl Experiment {
             Some(shells) => shells.iter().map(|shell| shell.q_per_angstrom).collect(),
             None => even_wave_numbers(&settings),
         };
-        if q_per_angstrom.is_empty() {
-            return Err(McError::BadSetting {
-                setting: "largest_q_per_angstrom",
-                value: settings.largest_q_per_angstrom,
-                requirement: "at least the shortest wave vector of the box, 2π over its length",
-            });
-        }
+        require(
+            "largest_q_per_angstrom",
+            settings.largest_q_per_angstrom,
+            "at least the shortest wave vector of the box, 2π over its length",
+            !q_per_angstrom.is_empty(),
+        )?;
         let mut kinds = Vec::with_capacity(bodies.len());
         for body in bodies {
             kinds.push(Kind::new(body, &settings, &q_per_angstrom)?);

@@ -18,8 +18,9 @@ mod quadratics;
 #[allow(clippy::unwrap_used)]
 mod tests;
 
+use crate::Result;
 use crate::energy::terms::{PairPotential, Term};
-use crate::{McError, Result};
+use crate::error::require;
 use blocks::{Block, Estimate, LEVELS, View};
 use lookup::{Lookup, SinglePose, Site};
 use protomer_kernel::Vec3;
@@ -70,7 +71,7 @@ impl ResponseBody {
     /// A table, the sites of the same body, and its charges (Å, e), which the sites hold as well.
     ///
     /// # Errors
-    /// [`McError::BadSetting`] for a grid without cells, or with another number of values than points.
+    /// [`McError::BadSetting`](crate::McError::BadSetting) for a grid without cells, or with another number of values than points.
     pub fn new(
         grid: ResponseGrid,
         sites: &[(Vec3, Amounts)],
@@ -78,13 +79,12 @@ impl ResponseBody {
     ) -> Result<Self> {
         let points: usize = grid.shape.iter().product();
         let has_cells = grid.shape.iter().all(|points| *points > 1);
-        if !has_cells || grid.values.len() != points || grid.spacing_angstrom <= 0.0 {
-            return Err(McError::BadSetting {
-                setting: "points of the solvent's response",
-                value: points as f64,
-                requirement: "two at least along each axis, with a value each",
-            });
-        }
+        require(
+            "points of the solvent's response",
+            points as f64,
+            "two at least along each axis, with a value each",
+            has_cells && grid.values.len() == points && grid.spacing_angstrom > 0.0,
+        )?;
         let table = Lookup {
             origin_angstrom: grid.origin_angstrom,
             spacing_angstrom: grid.spacing_angstrom,
