@@ -25,6 +25,11 @@ pub trait Row: Sized {
     /// which prints the shortest decimal that does.
     fn to_cells(&self) -> Vec<String>;
 
+    /// The names of the columns with the cells of the row.
+    fn named(&self) -> Vec<(&'static str, String)> {
+        Self::columns().into_iter().zip(self.to_cells()).collect()
+    }
+
     /// Parses a cell for each column, `None` for a later column that the log lacks; `None` if they
     /// are not a row.
     fn from_cells(cells: &[Option<&str>]) -> Option<Self>;

@@ -4,7 +4,7 @@ use crate::hard_bodies::start::FLUID;
 use crate::shape_words::ShapeWords;
 use anyhow::{Context, Result, bail};
 use nalgebra::Quaternion;
-use protomer_common::live::{Arrays, Column, Live, Rows, refuse_others, take};
+use protomer_common::live::{Arrays, Column, Live, Rows, refuse_others, require_rows, take};
 use protomer_hpmc::crystal::UnitCell;
 use protomer_io::atomic::sha256_hex;
 use protomer_io::gsd::TrajectoryReader;
@@ -228,8 +228,21 @@ fn in_space(numbers: &[f64]) -> Vec3 {
     Vec3::from_fn(|axis, _| numbers.get(axis).copied().unwrap_or(0.0))
 }
 
-/// The state of a simulation in arrays, as [`given_arrays`] takes them.
-pub(crate) fn arrays_of(simulation: &dyn Live) -> Arrays {
+/// The state of a simulation with these arrays in the place of its own, as [`given_arrays`] takes them.
+///
+/// # Errors
+/// For arrays without a row for each body.
+pub(crate) fn replaced(simulation: &dyn Live, mut arrays: Arrays) -> Result<Arrays> {
+    require_rows(&arrays, simulation.count())?;
+    let mut all = arrays_of(simulation);
+    if arrays.contains_key("angles") {
+        all.remove("orientations");
+    }
+    all.append(&mut arrays);
+    Ok(all)
+}
+
+fn arrays_of(simulation: &dyn Live) -> Arrays {
     let mut arrays = Arrays::new();
     for Column { name, columns } in simulation.arrays() {
         let mut values = vec![0.0; columns * simulation.count()];

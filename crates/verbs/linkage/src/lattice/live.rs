@@ -256,10 +256,7 @@ impl Live for LiveLattice {
     }
 
     fn measure(&mut self) -> Vec<(&'static str, String)> {
-        LogRow::columns()
-            .into_iter()
-            .zip(self.row().to_cells())
-            .collect()
+        self.row().named()
     }
 
     fn save(&self) -> Result<Vec<u8>> {

@@ -203,10 +203,7 @@ impl Live for LiveAssembly {
     }
 
     fn measure(&mut self) -> Vec<(&'static str, String)> {
-        LogRow::columns()
-            .into_iter()
-            .zip(self.row().to_cells())
-            .collect()
+        self.row().named()
     }
 
     fn save(&self) -> Result<Vec<u8>> {

@@ -6,9 +6,9 @@ use super::schedule::Schedule;
 use super::settings::DynamicsSettings;
 use super::start::kinds;
 use super::trajectory::{frame, header};
-use crate::given_state::{GivenState, arrays_of, given_arrays};
+use crate::given_state::{GivenState, given_arrays, replaced};
 use anyhow::{Context, Result, bail};
-use protomer_common::live::{Arrays, Column, Live, changed, require_rows};
+use protomer_common::live::{Arrays, Column, Live, Rows, changed};
 use protomer_io::gsd::Chunk;
 use protomer_kernel::{Boundary, Vec3};
 use protomer_md::engine::{Engine, Motion};
@@ -144,28 +144,14 @@ impl Live for LiveDynamics {
         numbers
     }
 
-    fn place(&mut self, mut arrays: Arrays) -> Result<()> {
-        require_rows(&arrays, self.count())?;
-        let mut all = arrays_of(self);
-        if arrays.contains_key("angles") {
-            all.remove("orientations");
-        }
-        all.append(&mut arrays);
-        let kinds: Vec<f64> = self
-            .engine
-            .bodies()
-            .kind_of
-            .iter()
-            .map(|kind| *kind as f64)
-            .collect();
-        let columns = 1;
-        all.insert(
-            "kinds".into(),
-            protomer_common::live::Rows {
-                columns,
-                values: kinds,
-            },
-        );
+    fn place(&mut self, arrays: Arrays) -> Result<()> {
+        let mut all = replaced(self, arrays)?;
+        let kinds = self.engine.bodies().kind_of.iter();
+        let kinds = Rows {
+            columns: 1,
+            values: kinds.map(|kind| *kind as f64).collect(),
+        };
+        all.insert("kinds".into(), kinds);
         let given = given_arrays(all, self.engine.bodies().dimension())?;
         let schedule = begin(self.schedule.settings.clone(), &given)?;
         let mut engine = schedule.engine(None)?;
@@ -217,7 +203,7 @@ impl Live for LiveDynamics {
             &self.engine,
             self.schedule.begun.volume_with_layer,
         );
-        LogRow::columns().into_iter().zip(row.to_cells()).collect()
+        row.named()
     }
 
     fn save(&self) -> Result<Vec<u8>> {

@@ -5,9 +5,9 @@ use super::placed::{of_file, with_state};
 use super::run::{Prepared, engine, measure};
 use super::settings::HardBodySettings;
 use super::trajectory::{frame, header};
-use crate::given_state::{arrays_of, given_arrays, is_state};
+use crate::given_state::{given_arrays, is_state, replaced};
 use anyhow::{Context, Result, bail};
-use protomer_common::live::{Arrays, Column, Live, changed, require_rows};
+use protomer_common::live::{Arrays, Column, Live, changed};
 use protomer_hpmc::mixture::Mixture;
 use protomer_hpmc::simulation::{Simulation, State};
 use protomer_hpmc::start::{Placed, Start};
@@ -177,14 +177,9 @@ impl<const D: usize> Live for LiveHardBodies<D> {
         numbers
     }
 
-    fn place(&mut self, mut arrays: Arrays) -> Result<()> {
+    fn place(&mut self, arrays: Arrays) -> Result<()> {
         // Steps, counts and the number of sweeps stay: the same simulation goes on from other places.
-        require_rows(&arrays, self.count())?;
-        let mut all = arrays_of(self);
-        if arrays.contains_key("angles") {
-            all.remove("orientations");
-        }
-        all.append(&mut arrays);
+        let all = replaced(self, arrays)?;
         let given = given_arrays(all, D.max(2))?;
         let placed = of_file(&given, &self.settings, self.simulation.system().kinds())?.placed;
         let (settings, simulation) = begin(self.settings.clone(), &self.mixture, placed)?;
@@ -234,11 +229,7 @@ impl<const D: usize> Live for LiveHardBodies<D> {
     }
 
     fn measure(&mut self) -> Vec<(&'static str, String)> {
-        let row = measure(&mut self.simulation, &self.settings);
-        super::log::LogRow::columns()
-            .into_iter()
-            .zip(row.to_cells())
-            .collect()
+        measure(&mut self.simulation, &self.settings).named()
     }
 
     fn save(&self) -> Result<Vec<u8>> {
