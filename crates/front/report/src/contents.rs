@@ -1,6 +1,6 @@
 //! Pages whose contents the crate of the results states: arranged, with their provenance, as HTML.
 
-use super::html::{definitions, paragraph, table};
+use super::html::{definitions, escape, folded_text, list, paragraph, shares, table};
 use super::page::{Page, Section};
 use super::{data, figures, mesh_view, provenance, sortable};
 use anyhow::Result;
@@ -37,7 +37,7 @@ pub fn arranged(directory: &Path, record: Option<&Record>, contents: Contents) -
         sections.push(section(directory, stated)?);
     }
     let record = record.filter(|_| origin.is_run);
-    let mut provenance = provenance::section(directory, origin.settings, record, origin.more)?;
+    let mut provenance = provenance::section(directory, &origin.settings, record, origin.more)?;
     if !origin.note.is_empty() {
         provenance.html += &paragraph(origin.note);
     }
@@ -75,11 +75,22 @@ fn add(section: &mut Section, program: Program) {
 fn to_html(directory: &Path, part: Part) -> Result<String> {
     Ok(match part {
         Part::Paragraph(text) => paragraph(&text),
+        Part::Heading(text) => format!("<h3>{}</h3>\n", escape(&text)),
+        Part::List(items) => list(&items),
         Part::Values(rows) => definitions(&rows),
         Part::Table { columns, rows } => {
             let head: Vec<String> = columns.into_iter().map(str::to_owned).collect();
             table(&head, &rows)
         }
+        Part::Compact { columns, rows } => {
+            format!("<div class=\"compact\">{}</div>\n", table(&columns, &rows))
+        }
+        Part::Shares {
+            corner,
+            names,
+            rows,
+        } => shares(corner, &names, &rows),
+        Part::Text { name, text } => folded_text(name, &text),
         Part::Data(numbers) => folded(directory, Some(numbers))?,
         Part::Figure(figure, numbers) => figures::drawn(&figure, &folded(directory, numbers)?)?,
         Part::Map(map) => figures::map(&map)?,

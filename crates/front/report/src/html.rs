@@ -41,6 +41,30 @@ pub fn table(columns: &[String], rows: &[Vec<String>]) -> String {
     )
 }
 
+/// A square table of numbers, each shaded by its share of its row.
+pub fn shares(corner: &str, names: &[String], rows: &[Vec<f64>]) -> String {
+    let head: String = names
+        .iter()
+        .map(|name| format!("<th>{}</th>", escape(name)))
+        .collect();
+    let rows = names.iter().zip(rows).map(|(name, row)| {
+        let sum: f64 = row.iter().sum();
+        let cell = |value: &f64| {
+            let share = if sum > 0.0 { value / sum } else { 0.0 };
+            let value = significant(*value, 3);
+            format!("<td style=\"--share:{share:.3}\">{value}</td>")
+        };
+        let cells: String = row.iter().map(cell).collect();
+        format!("<tr><th>{}</th>{cells}</tr>\n", escape(name))
+    });
+    format!(
+        "<div class=\"scroll\"><table class=\"heat\">\n<thead><tr><th>{}</th>{head}</tr></thead>\n<tbody>\n{}\
+         </tbody>\n</table></div>\n",
+        escape(corner),
+        rows.collect::<String>()
+    )
+}
+
 /// A bulleted list.
 pub fn list(items: &[String]) -> String {
     format!(

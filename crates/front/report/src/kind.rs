@@ -1,9 +1,9 @@
 //! The kind of results in a directory, with their settings.
 
 use crate::contents::ContentsOf;
-#[cfg(feature = "learning")]
-use crate::learning::{self, Learning};
 use anyhow::{Result, bail};
+#[cfg(feature = "learning")]
+use protomer_learn_verbs::{learning, voxels};
 use protomer_linkage_verbs::{frameworks, lattice};
 use protomer_protein_verbs::file_kind::FileKind;
 use protomer_protein_verbs::stability::{equilibrium, pair, score};
@@ -19,11 +19,6 @@ pub enum Kind {
     Sweep,
     /// Results whose crate states the contents of their page.
     Stated(ContentsOf),
-    /// The tables of a paper on networks.
-    FrameworkTables,
-    /// A set of voxels, a training, or a search for settings of a training.
-    #[cfg(feature = "learning")]
-    Learning(Learning),
 }
 
 /// Determines the kind of results in a directory.
@@ -33,7 +28,12 @@ pub enum Kind {
 pub fn detect(directory: &Path) -> Result<Kind> {
     if !directory.is_dir() {
         #[cfg(feature = "learning")]
-        learning::require_complete_set(directory)?;
+        if voxels::work_path(directory).is_file() {
+            bail!(
+                "the set {} is not complete yet; the same 'protomer voxelize' command continues it",
+                directory.display()
+            );
+        }
         FileKind::Results(ResultKind::Sweep).require(directory)?;
         bail!(
             "{} is not a directory; give one that protomer wrote its results into",
@@ -53,10 +53,19 @@ pub fn detect(directory: &Path) -> Result<Kind> {
         Some(ResultKind::FreeEnergy) => Kind::Stated(hard_bodies::page::free_energy::contents),
         Some(ResultKind::DynamicsRun) => Kind::Stated(dynamics::page::contents),
         Some(ResultKind::ElasticConstants) => Kind::Stated(frameworks::page::contents),
-        Some(ResultKind::FrameworkTables) => Kind::FrameworkTables,
-        Some(kind @ (ResultKind::Training | ResultKind::Search | ResultKind::VoxelSet)) => {
-            return of_learning(&kind, directory);
-        }
+        Some(ResultKind::FrameworkTables) => Kind::Stated(frameworks::tables::page::contents),
+        #[cfg(feature = "learning")]
+        Some(ResultKind::Training) => Kind::Stated(learning::train::page::contents),
+        #[cfg(feature = "learning")]
+        Some(ResultKind::Search) => Kind::Stated(learning::tune::page::contents),
+        #[cfg(feature = "learning")]
+        Some(ResultKind::VoxelSet) => Kind::Stated(voxels::page::contents),
+        #[cfg(not(feature = "learning"))]
+        Some(kind @ (ResultKind::Training | ResultKind::Search | ResultKind::VoxelSet)) => bail!(
+            "{} holds {kind}, and this protomer was built without the feature `learning`; install it \
+             with its default features",
+            directory.display()
+        ),
         Some(ResultKind::Simulation) => bail!(
             "{} is one simulation of a sweep; give the directory of the sweep, which holds run.toml",
             directory.display()
@@ -89,23 +98,6 @@ fn verbs() -> String {
         .collect();
     let last = verbs.pop().unwrap_or_default();
     format!("{} or {last}", verbs.join(", "))
-}
-
-#[cfg(feature = "learning")]
-fn of_learning(kind: &ResultKind, directory: &Path) -> Result<Kind> {
-    match Learning::read(kind, directory)? {
-        Some(learning) => Ok(Kind::Learning(learning)),
-        None => bail!("{} holds {kind}, not learning", directory.display()),
-    }
-}
-
-#[cfg(not(feature = "learning"))]
-fn of_learning(kind: &ResultKind, directory: &Path) -> Result<Kind> {
-    bail!(
-        "{} holds {kind}, and this protomer was built without the feature `learning`; install it \
-         with its default features",
-        directory.display()
-    )
 }
 
 #[cfg(test)]

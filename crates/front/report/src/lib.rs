@@ -2,14 +2,13 @@
 //! shapes, animated lattices, conditions, provenance, and failures.
 //!
 //! ```text
-//! directory --kind--> what it holds --contents of its crate, or framework_tables, learning--> sections --page--> report.html
+//! directory --kind--> what it holds --contents of its crate--> sections --page--> report.html
 //! ```
 //!
 //! | module | one idea |
 //! |---|---|
 //! | `kind` | what a directory holds |
 //! | `contents` | pages whose contents the crate of the results states |
-//! | `framework_tables`, `learning` | the sections of each other kind |
 //! | `mesh_view` | meshes as data for the viewer |
 //! | `figures`, `data` | embedded figures, folded tables with a link to save them |
 //! | `provenance` | version, hashes, seed, how it ended |
@@ -23,11 +22,8 @@
 mod contents;
 mod data;
 mod figures;
-mod framework_tables;
 mod html;
 mod kind;
-#[cfg(feature = "learning")]
-mod learning;
 mod mesh_view;
 mod page;
 mod provenance;
@@ -39,7 +35,7 @@ use page::Page;
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
 use protomer_protein_verbs::stability::sweep;
-use protomer_results::Record;
+use protomer_results::{Record, ResultKind};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -82,7 +78,7 @@ pub fn report(directory: &Path, request: &Request) -> Result<Written> {
     let page = request
         .output
         .clone()
-        .unwrap_or_else(|| default_page(directory, &kind));
+        .unwrap_or_else(|| default_page(directory));
     let contents = page_of(directory, &kind, request.assembly.as_deref())?;
     let html = contents.to_html();
     write_once(&page, &html, request.force)?;
@@ -95,10 +91,9 @@ pub fn report(directory: &Path, request: &Request) -> Result<Written> {
 
 /// `report.html` in the directory; a zarr group must not contain other files, so its page is
 /// written next to it: `SET.zarr.report.html`.
-fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
-    match kind {
-        #[cfg(feature = "learning")]
-        Kind::Learning(learning::Learning::VoxelSet) => {
+fn default_page(directory: &Path) -> PathBuf {
+    match ResultKind::detect(directory) {
+        Some(ResultKind::VoxelSet) => {
             directory.with_file_name(provenance::name(directory) + ".report.html")
         }
         _ => directory.join("report.html"),
@@ -117,8 +112,5 @@ fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Pag
             bail!("{} has no assembly; omit --assembly", directory.display())
         }
         Kind::Stated(contents) => contents::page(directory, *contents),
-        Kind::FrameworkTables => framework_tables::page(directory),
-        #[cfg(feature = "learning")]
-        Kind::Learning(results) => results.page(directory),
     }
 }

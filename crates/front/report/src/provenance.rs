@@ -3,43 +3,36 @@
 use super::html::{definitions, folded_text, paragraph};
 use super::page::Section;
 use anyhow::{Context, Result};
+use protomer_common::page::SettingsText;
 use protomer_results::{Exit, Record};
 use std::path::Path;
 
 const NOTE: &str = "Equal settings on equal input give equal results.";
 
-/// The section of a directory with this settings file and the additional rows `more`.
+/// The section of a directory with these settings and the additional rows `more`.
 ///
 /// # Errors
 /// If the settings cannot be read.
 pub fn section(
     directory: &Path,
-    settings: &str,
+    settings: &SettingsText,
     record: Option<&Record>,
     more: Vec<(&str, String)>,
 ) -> Result<Section> {
-    let path = directory.join(settings);
-    let text = protomer_io::input::read_to_string(&path)
-        .with_context(|| format!("cannot read {}", path.display()))?;
-    let folded = folded_text(settings, &text);
+    let folded = match settings {
+        SettingsText::File(name) => {
+            let path = directory.join(name);
+            let text = protomer_io::input::read_to_string(&path)
+                .with_context(|| format!("cannot read {}", path.display()))?;
+            folded_text(name, &text)
+        }
+        SettingsText::Text(text) => folded_text("settings", text),
+        SettingsText::None => String::new(),
+    };
     Ok(Section::new(
         "Provenance",
         rows(directory, record, more) + &folded + &paragraph(NOTE),
     ))
-}
-
-/// The section of a directory without a settings file; the settings may be given as a heading
-/// and text.
-pub fn without_file(
-    directory: &Path,
-    settings: Option<(&str, &str)>,
-    more: Vec<(&str, String)>,
-) -> Section {
-    let folded = settings.map_or_else(String::new, |(title, text)| folded_text(title, text));
-    Section::new(
-        "Provenance",
-        rows(directory, None, more) + &folded + &paragraph(NOTE),
-    )
 }
 
 fn rows(directory: &Path, record: Option<&Record>, more: Vec<(&str, String)>) -> String {

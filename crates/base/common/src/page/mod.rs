@@ -50,14 +50,25 @@ pub struct Contents {
 /// Origin of results, in addition to their record.
 #[derive(Debug, Clone)]
 pub struct Origin {
-    /// The file of the directory with the settings.
-    pub settings: &'static str,
+    /// The settings.
+    pub settings: SettingsText,
     /// Further names and values.
     pub more: Vec<(&'static str, String)>,
     /// A sentence at the end; may be empty.
     pub note: &'static str,
     /// Whether the results are those of a run, which may be unfinished.
     pub is_run: bool,
+}
+
+/// Settings of results as text.
+#[derive(Debug, Clone)]
+pub enum SettingsText {
+    /// A file of the directory, by its name.
+    File(&'static str),
+    /// The text itself, for results that hold their settings elsewhere.
+    Text(String),
+    /// No text: the command has no settings.
+    None,
 }
 
 /// A part of a page under a heading.
@@ -87,6 +98,10 @@ pub struct Section {
 pub enum Part {
     /// Plain text.
     Paragraph(String),
+    /// A heading inside of the section.
+    Heading(String),
+    /// Items of a list.
+    List(Vec<String>),
     /// Names and values.
     Values(Vec<(&'static str, String)>),
     /// A table.
@@ -95,6 +110,22 @@ pub enum Part {
         columns: Vec<&'static str>,
         /// Rows with a cell for each column.
         rows: Vec<Vec<String>>,
+    },
+    /// A wide table, in small letters.
+    Compact {
+        /// Headings of the columns.
+        columns: Vec<String>,
+        /// Rows with a cell for each column.
+        rows: Vec<Vec<String>>,
+    },
+    /// A square table of numbers, each shaded by its share of its row.
+    Shares {
+        /// Meaning of rows and columns.
+        corner: &'static str,
+        /// Names of the rows, and of the columns.
+        names: Vec<String>,
+        /// Numbers by row.
+        rows: Vec<Vec<f64>>,
     },
     /// A table that a click on a heading sorts.
     Sortable {
@@ -122,6 +153,13 @@ pub enum Part {
     Scenes(Shown),
     /// A program that runs in the page.
     Program(Program),
+    /// Text of a file, folded.
+    Text {
+        /// Name of the file.
+        name: &'static str,
+        /// Text in full.
+        text: String,
+    },
 }
 
 /// Numbers behind a figure.
@@ -167,7 +205,7 @@ impl Contents {
             problems: Vec::new(),
             sections: Vec::new(),
             origin: Origin {
-                settings: "run.toml",
+                settings: SettingsText::File("run.toml"),
                 more: Vec::new(),
                 note: "",
                 is_run: true,

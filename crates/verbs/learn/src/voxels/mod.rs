@@ -24,6 +24,7 @@
 //! | `listed` | a list that is serialised item by item |
 //! | [`identity`] | hashes of what sets and samples depend on |
 //! | [`origin`] | the parts of manifests that a set contains or lacks |
+//! | [`page`] | the page of a set |
 //! | [`relatives`] | relatives in different clusters |
 //! | [`row`] | a manifest entry with the hash of its file |
 //! | [`statistics`] | statistics of the channels in the training part |
@@ -41,6 +42,7 @@ mod listed;
 pub mod manifest;
 pub mod merge;
 pub mod origin;
+pub mod page;
 mod part;
 pub mod records;
 pub mod relatives;

@@ -4,7 +4,9 @@ use super::curve::{Curve, CurvePoint};
 use super::network_file;
 use super::report::{Relax, Report, field, label};
 use anyhow::Result;
-use protomer_common::page::{Contents, Origin, Part, Section, significant, significant_or_dash};
+use protomer_common::page::{
+    Contents, Origin, Part, Section, SettingsText, significant, significant_or_dash,
+};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::Record;
 use std::path::Path;
@@ -18,7 +20,7 @@ pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
     network_file::read(&directory.join("network.toml"))?;
     let mut contents = Contents::new("Framework");
     contents.origin = Origin {
-        settings: "network.toml",
+        settings: SettingsText::File("network.toml"),
         more: Vec::new(),
         note: "A network's elastic constants depend on network.toml alone; there is no seed.",
         is_run: false,

@@ -3,7 +3,9 @@
 use super::answer::{self, COLUMNS, FILE, TitrationReport};
 use super::directory::{CURVE, GROUPS, PICTURE};
 use anyhow::{Result, bail};
-use protomer_common::page::{Contents, Origin, Part, Section, significant, significant_or_dash};
+use protomer_common::page::{
+    Contents, Origin, Part, Section, SettingsText, significant, significant_or_dash,
+};
 use protomer_results::Record;
 use std::path::Path;
 
@@ -20,7 +22,7 @@ pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
     };
     let mut contents = Contents::new("Titration");
     contents.origin = Origin {
-        settings: FILE,
+        settings: SettingsText::File(FILE),
         more: Vec::new(),
         note: "A titration depends on the structure and the conditions alone; there is no seed.",
         is_run: false,

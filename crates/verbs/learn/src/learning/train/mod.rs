@@ -18,6 +18,7 @@
 //! | `job` | a training with its ablation; a control with its experiments |
 //! | `history` | scores of the validation part at an epoch |
 //! | `metrics` | scores compared with baselines |
+//! | [`page`] | the page of a training |
 //! | `summary` | the scores as text |
 //! | `told` | what the text and the page both say: rows of scores, joined labels, the permutation test |
 //! | `ablation`, `control`, `control_report`, `figure` | tables of channels, verdicts on controls, the learning curve |
@@ -29,6 +30,7 @@ mod figure;
 mod history;
 mod job;
 mod metrics;
+pub mod page;
 mod prepared;
 mod run;
 mod settings;

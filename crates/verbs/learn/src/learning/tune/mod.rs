@@ -10,6 +10,7 @@
 //! ```
 
 pub mod figure;
+pub mod page;
 mod records;
 mod table;
 

@@ -1,56 +1,51 @@
-//! The page of the recomputed tables of a paper on networks.
+//! The page of the recomputed tables.
 
-use super::html::{definitions, escape, paragraph, table};
-use super::page::{Page, Section};
-use super::{data, provenance};
+use super::{Agreement, Row, describe, legend};
 use anyhow::{Context, Result};
+use protomer_common::page::{Contents, Data, Origin, Part, Section, SettingsText};
 use protomer_io::csv::{Cell, Table};
-use protomer_linkage_verbs::frameworks::tables::{Agreement, Row, describe, legend};
-use protomer_results::keys;
+use protomer_results::{Record, keys};
 use std::path::Path;
 
-/// The page of a directory.
+/// Contents of the page of a directory.
 ///
 /// # Errors
 /// If a file is damaged.
-pub fn page(directory: &Path) -> Result<Page> {
+pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
     let path = directory.join("tables.json");
     let bytes = protomer_io::input::read(&path)
         .with_context(|| format!("cannot read {}", path.display()))?;
     let rows: Vec<Row> = keys::from_json(&path, &bytes)?;
-    let mut results = counts(&rows);
-    for (title, mut lines) in describe(&rows) {
-        let head = if lines.is_empty() {
+    let mut results = vec![counts(&rows)];
+    for (title, mut rows) in describe(&rows) {
+        let columns = if rows.is_empty() {
             Vec::new()
         } else {
-            lines.remove(0)
+            rows.remove(0)
         };
-        results += &format!(
-            "<h3>{}</h3>\n<div class=\"compact\">{}</div>\n",
-            escape(&title),
-            table(&head, &lines)
-        );
+        results.push(Part::Heading(title));
+        results.push(Part::Compact { columns, rows });
     }
-    results += &data::data("tables.csv", &long(&rows)?.to_csv()?)?;
-    let reading: String = legend(&rows).lines().map(paragraph).collect();
-    Ok(Page {
-        title: format!("Tables of networks: {}", provenance::name(directory)),
-        subtitle: "Elastic constants of honeycombs, printed and recomputed".into(),
-        verdict: None,
-        problems: Vec::new(),
-        sections: vec![
-            Section::new("Results", results),
-            Section::new("How to read the tables", reading),
-            provenance::without_file(
-                directory,
-                None,
-                vec![("command", "protomer framework tables".into())],
-            ),
-        ],
-    })
+    results.push(Part::Data(Data::Table {
+        name: "tables.csv".into(),
+        csv: long(&rows)?.to_csv()?,
+    }));
+    let mut contents = Contents::new("Tables of networks");
+    contents.subtitle = "Elastic constants of honeycombs, printed and recomputed".into();
+    contents.origin = Origin {
+        settings: SettingsText::None,
+        more: vec![("command", "protomer framework tables".into())],
+        note: "",
+        is_run: false,
+    };
+    contents.add(Section::new("Results", results));
+    let reading = legend(&rows);
+    let reading = reading.lines().map(|line| Part::Paragraph(line.to_owned()));
+    contents.add(Section::new("How to read the tables", reading.collect()));
+    Ok(contents)
 }
 
-fn counts(rows: &[Row]) -> String {
+fn counts(rows: &[Row]) -> Part {
     let values = || rows.iter().flat_map(|row| &row.values);
     let count = |agreement: Agreement| {
         values()
@@ -61,7 +56,7 @@ fn counts(rows: &[Row]) -> String {
     let largest = values()
         .map(|value| value.deviation.abs())
         .fold(0.0, f64::max);
-    definitions(&[
+    Part::Values(vec![
         ("numbers", values().count().to_string()),
         ("the same to the last printed digit", count(Agreement::Same)),
         ("off by one unit of it", count(Agreement::OneUnit)),

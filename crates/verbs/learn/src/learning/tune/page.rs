@@ -1,15 +1,13 @@
 //! The page of a search for settings.
 
-use super::training;
-use crate::html::{definitions, escape, folded_text, paragraph, significant, table};
-use crate::page::{Page, Section};
-use crate::{data, figures, provenance};
+use super::{BEST, FIGURE, TuneSettings};
+use crate::learning::train::{TrainSettings, page::describe};
 use anyhow::{Context, Result};
-use protomer_common::page::significant_or_dash;
+use protomer_common::page::{
+    Contents, Data, Part, Section, SettingsText, significant, significant_or_dash,
+};
 use protomer_io::csv::cells;
-use protomer_learn_verbs::learning::train::TrainSettings;
-use protomer_learn_verbs::learning::tune::TuneSettings;
-use protomer_results::Record;
+use protomer_results::{Exit, Record, keys::read_toml};
 use std::path::Path;
 
 /// Number of trials shown unfolded.
@@ -26,58 +24,54 @@ struct Trials {
     rows: Vec<Vec<String>>,
 }
 
-/// The page of a directory with these settings.
+/// Contents of the page of a directory.
 ///
 /// # Errors
 /// If a file is damaged.
-pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
+pub fn contents(directory: &Path, record: Option<&Record>) -> Result<Contents> {
+    let settings: TuneSettings = read_toml(&directory.join("settings.toml"))?;
     let trials = Trials::read(directory)?;
-    let best = Some(directory.join("best.toml")).filter(|path| path.is_file());
+    let best = Some(directory.join(BEST)).filter(|path| path.is_file());
     let best = best.map(|path| TrainSettings::read(&path)).transpose()?;
-    let mut sections = vec![best_settings(best.as_ref(), trials.as_ref())];
-    let mut html = figures::of_file(
-        directory,
-        "trials.svg",
-        "Validation loss against learning rate",
-        "",
-    )?;
-    html += &match &trials {
-        Some(trials) => trials.shown() + &data::data("trials.csv", &trials.csv)?,
-        None => paragraph(
-            "There is no table yet: it is written when the first round of epochs is over.",
-        ),
-    };
-    sections.push(Section::new("Trials", html));
-    sections.push(conditions(settings)?);
-    let record = Record::read(directory)?;
-    let mut provenance = provenance::section(
-        directory,
-        "settings.toml",
-        record.as_ref(),
-        vec![("seed", settings.seed.to_string())],
-    )?;
+    let mut contents = Contents::new("Search");
+    contents.subtitle = format!(
+        "{} networks that see {}",
+        settings.trials,
+        settings.base.training.channels.join(", ")
+    );
+    // The page itself says how an unfinished search ended.
+    if best.is_none() && record.is_some_and(|record| record.exit == Exit::Done) {
+        let text = "The search is not finished; the same command continues it.";
+        contents.problems.push(text.into());
+    }
+    contents
+        .problems
+        .extend(trials.as_ref().and_then(Trials::diverged));
+    contents.origin.settings = SettingsText::File("settings.toml");
+    contents.origin.more = vec![("seed", settings.seed.to_string())];
+    let mut parts = best_settings(best.as_ref(), trials.as_ref());
     if best.is_some() {
-        let text =
-            protomer_io::input::read_to_string(directory.join("best.toml")).context("best.toml")?;
-        provenance.html += &folded_text("best.toml", &text);
+        let text = protomer_io::input::read_to_string(directory.join(BEST)).context(BEST)?;
+        parts.push(Part::Text { name: BEST, text });
     }
-    sections.push(provenance);
-    let mut problems = Vec::from_iter(provenance::unfinished(record.as_ref()));
-    if best.is_none() && problems.is_empty() {
-        problems.push("The search is not finished; the same command continues it.".into());
+    contents.add(Section::new("Best settings", parts));
+    let title = "Validation loss against learning rate";
+    let mut parts = vec![Part::picture(FIGURE, title, None)];
+    match trials {
+        Some(trials) => {
+            parts.extend(trials.shown());
+            parts.push(Part::Data(Data::Table {
+                name: "trials.csv".into(),
+                csv: trials.csv,
+            }));
+        }
+        None => parts.push(Part::Paragraph(
+            "There is no table yet: it is written when the first round of epochs is over.".into(),
+        )),
     }
-    problems.extend(trials.as_ref().and_then(Trials::diverged));
-    Ok(Page {
-        title: format!("Search: {}", provenance::name(directory)),
-        subtitle: format!(
-            "{} networks that see {}",
-            settings.trials,
-            settings.base.training.channels.join(", ")
-        ),
-        verdict: None,
-        problems,
-        sections,
-    })
+    contents.add(Section::new("Trials", parts));
+    contents.add(conditions(&settings)?);
+    Ok(contents)
 }
 
 impl Trials {
@@ -151,8 +145,8 @@ impl Trials {
     }
 
     /// A table of the best trials.
-    fn shown(&self) -> String {
-        let head = [
+    fn shown(&self) -> [Part; 2] {
+        let columns = vec![
             "trial",
             "epochs",
             "validation loss (nats)",
@@ -173,17 +167,14 @@ impl Trials {
         for row in 0..count.min(MOST_SHOWN) {
             rows.push(self.cells(row));
         }
-        let table = table(&head.map(str::to_owned), &rows);
-        format!("<h3>{}</h3>\n{table}", escape(&title))
+        [Part::Heading(title), Part::Table { columns, rows }]
     }
 }
 
-fn best_settings(best: Option<&TrainSettings>, trials: Option<&Trials>) -> Section {
+fn best_settings(best: Option<&TrainSettings>, trials: Option<&Trials>) -> Vec<Part> {
     let Some(best) = best else {
-        return Section::new(
-            "Best settings",
-            paragraph("They are written when the search is finished."),
-        );
+        let text = "They are written when the search is finished.";
+        return vec![Part::Paragraph(text.into())];
     };
     let mut rows = Vec::new();
     if let Some(trials) = trials {
@@ -193,14 +184,14 @@ fn best_settings(best: Option<&TrainSettings>, trials: Option<&Trials>) -> Secti
         rows.push(("validation loss", format!("{loss} nats")));
         rows.push(("balanced accuracy on the validation part", accuracy));
     }
-    for (name, value) in training::describe(best) {
+    for (name, value) in describe(best) {
         if DRAWN.contains(&name) || name == "channels" {
             rows.push((name, value));
         }
     }
     let note = "The best trial was chosen on the validation part, so its scores there are biased. For scores on the test part: \
                 protomer train SET --config best.toml -o DIRECTORY.";
-    Section::new("Best settings", definitions(&rows) + &paragraph(note))
+    vec![Part::Values(rows), Part::Paragraph(note.into())]
 }
 
 fn conditions(settings: &TuneSettings) -> Result<Section> {
@@ -227,9 +218,9 @@ fn conditions(settings: &TuneSettings) -> Result<Section> {
     let differs =
         |name: &str| DRAWN.contains(&name) || (settings.vary_channels && name == "channels");
     rows.extend(
-        training::describe(&settings.base)
+        describe(&settings.base)
             .into_iter()
             .filter(|(name, _)| !differs(name)),
     );
-    Ok(Section::new("Conditions", definitions(&rows)))
+    Ok(Section::new("Conditions", vec![Part::Values(rows)]))
 }

@@ -1,20 +1,21 @@
 //! The page of a set of voxels.
 
-use super::voxel_channels;
-use crate::html::{definitions, escape, paragraph, significant, table};
-use crate::page::{Page, Section};
-use crate::{data, figures, provenance};
+mod channels;
+
+use super::attributes::Stated;
+use super::origin::{Missing, origins};
+use super::records::{self, Exclusion, SampleRecord};
+use super::row::Row;
+use super::samples::VoxelSet;
+use super::structure::Reason;
+use super::{Fit, Spacing, VoxelizeSettings, set};
 use anyhow::{Context, Result};
+use protomer_common::page::{
+    Contents, Data, Origin, Part, Section, SettingsText, millimolar, significant,
+};
 use protomer_io::csv::{Cell, Table};
-use protomer_learn_verbs::voxels::attributes::Stated;
-use protomer_learn_verbs::voxels::origin::{Missing, origins};
-use protomer_learn_verbs::voxels::records::{Exclusion, SampleRecord};
-use protomer_learn_verbs::voxels::row::Row;
-use protomer_learn_verbs::voxels::samples::VoxelSet;
-use protomer_learn_verbs::voxels::set;
-use protomer_learn_verbs::voxels::structure::Reason;
-use protomer_learn_verbs::voxels::{Fit, Spacing, VoxelizeSettings};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_results::Record;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -25,63 +26,58 @@ const MOST_COLOURS: usize = 6;
 /// all.
 const MOST_ROWS: usize = 30;
 
-/// The page of a directory.
+/// Contents of the page of a set.
 ///
 /// # Errors
 /// If the set is damaged.
-pub fn page(directory: &Path) -> Result<Page> {
+pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
     let opened = VoxelSet::open(directory)?;
     let reader = opened.reader();
     let settings = set::settings_of(reader)?;
-    let excluded = protomer_learn_verbs::voxels::records::exclusions(reader)?;
+    let excluded = records::exclusions(reader)?;
     let samples = set::samples_of(reader)?;
     let stated = Stated::read(directory)?;
-    let channels = voxel_channels::section(&opened, &stated.channel_meanings)?;
+    let mut contents = Contents::new("Set of voxels");
+    contents.subtitle = format!(
+        "{} samples of {}³ voxels: {}",
+        samples.len(),
+        settings.size,
+        names(&settings)
+    );
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".into());
-    let more = vec![
-        ("program", or_dash(stated.made_by)),
-        ("command", "protomer voxelize".into()),
-        ("SHA-256 of the manifest", or_dash(stated.manifest_sha256)),
-        (
-            "identity (SHA-256 of settings and input)",
-            or_dash(stated.identity),
+    contents.origin = Origin {
+        settings: SettingsText::Text(
+            toml::to_string_pretty(&settings).context("the settings cannot be serialised")?,
         ),
-        ("seed", settings.seed.to_string()),
-    ];
-    let written_down =
-        toml::to_string_pretty(&settings).context("the settings cannot be serialised")?;
-    let mut sections = vec![
-        overview(directory, &samples, &excluded)?,
-        groups(&samples, &excluded),
-        channels,
-    ];
-    sections.extend(left_out(&excluded)?);
-    sections.push(conditions(&settings));
-    sections.push(provenance::without_file(
-        directory,
-        Some(("settings", &written_down)),
-        more,
-    ));
-    let mut problems = problems(&samples, &excluded);
+        more: vec![
+            ("program", or_dash(stated.made_by)),
+            ("command", "protomer voxelize".into()),
+            ("SHA-256 of the manifest", or_dash(stated.manifest_sha256)),
+            (
+                "identity (SHA-256 of settings and input)",
+                or_dash(stated.identity),
+            ),
+            ("seed", settings.seed.to_string()),
+        ],
+        note: "",
+        is_run: false,
+    };
+    contents.problems = problems(&samples, &excluded);
     for shortfall in Missing::find(&origins(reader)?) {
         let parts = shortfall.parts.join(", ");
-        problems.push(format!(
+        contents.problems.push(format!(
             "{} of the {} structures of a manifest are missing; only its parts {parts} are here.",
             shortfall.missing, shortfall.structures
         ));
     }
-    Ok(Page {
-        title: format!("Set of voxels: {}", provenance::name(directory)),
-        subtitle: format!(
-            "{} samples of {}³ voxels: {}",
-            samples.len(),
-            settings.size,
-            names(&settings)
-        ),
-        verdict: None,
-        problems,
-        sections,
-    })
+    contents.add(overview(directory, &samples, &excluded)?);
+    contents.add(groups(&samples, &excluded));
+    contents.add(channels::section(&opened, &stated.channel_meanings)?);
+    if !excluded.is_empty() {
+        contents.add(left_out(&excluded)?);
+    }
+    contents.add(conditions(&settings));
+    Ok(contents)
 }
 
 fn names(settings: &VoxelizeSettings) -> String {
@@ -115,7 +111,7 @@ fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
 /// Word for a reason in `excluded`.
 fn word(reason: Reason) -> String {
     match serde_json::to_value(reason) {
-        Ok(serde_json::Value::String(word)) => word,
+        Ok(Value::String(word)) => word,
         _ => String::new(),
     }
 }
@@ -136,7 +132,7 @@ fn overview(directory: &Path, samples: &[SampleRecord], excluded: &[Exclusion]) 
         clusters.insert(&sample.row.cluster);
         voxels += sample.voxels;
     }
-    let mut html = definitions(&[
+    let values = Part::Values(vec![
         ("samples", samples.len().to_string()),
         ("structures left out", excluded.len().to_string()),
         ("labels", labels.len().to_string()),
@@ -153,13 +149,15 @@ fn overview(directory: &Path, samples: &[SampleRecord], excluded: &[Exclusion]) 
             ),
         ),
     ]);
-    let csv = data::data("samples.csv", &samples_table(samples)?.to_csv()?)?;
-    html += &if samples.is_empty() {
-        csv
-    } else {
-        figures::drawn(&figure(samples), &csv)?
+    let data = Data::Table {
+        name: "samples.csv".into(),
+        csv: samples_table(samples)?.to_csv()?,
     };
-    Ok(Section::new("Samples", html))
+    let drawn = match samples.is_empty() {
+        true => Part::Data(data),
+        false => Part::Figure(Box::new(figure(samples)), Some(data)),
+    };
+    Ok(Section::new("Samples", vec![values, drawn]))
 }
 
 fn samples_table(samples: &[SampleRecord]) -> Result<Table> {
@@ -321,37 +319,34 @@ fn groups(samples: &[SampleRecord], excluded: &[Exclusion]) -> Section {
         vec![(**name).to_owned(), samples.to_string(), labels]
     });
     let note = "Related structures share a cluster, which no split may put on both sides.";
-    let html = counted(
-        "Labels",
-        &["label", "samples", "clusters", "left out"],
-        label_rows.collect(),
-    ) + &counted(
+    let columns = vec!["label", "samples", "clusters", "left out"];
+    let mut parts = Vec::from(counted("Labels", columns, label_rows.collect()));
+    let columns = vec!["cluster", "samples", "labels"];
+    parts.extend(counted(
         "Clusters, largest first",
-        &["cluster", "samples", "labels"],
+        columns,
         cluster_rows.collect(),
-    ) + &paragraph(note);
-    Section::new("Labels and clusters", html)
+    ));
+    parts.push(Part::Paragraph(note.into()));
+    Section::new("Labels and clusters", parts)
 }
 
 /// A table under a heading, truncated if it is long.
-fn counted(title: &str, head: &[&str], mut rows: Vec<Vec<String>>) -> String {
+fn counted(title: &str, columns: Vec<&'static str>, mut rows: Vec<Vec<String>>) -> [Part; 2] {
     let title = match rows.len() {
         many if many > MOST_ROWS => format!("{title}: {MOST_ROWS} of {many}"),
         _ => title.to_owned(),
     };
     rows.truncate(MOST_ROWS);
-    let head: Vec<String> = head.iter().map(ToString::to_string).collect();
-    format!("<h3>{}</h3>\n{}", escape(&title), table(&head, &rows))
+    [Part::Heading(title), Part::Table { columns, rows }]
 }
 
-fn left_out(excluded: &[Exclusion]) -> Result<Option<Section>> {
-    if excluded.is_empty() {
-        return Ok(None);
-    }
+fn left_out(excluded: &[Exclusion]) -> Result<Section> {
     let reasons = by_reason(excluded)
         .into_iter()
         .map(|(reason, count)| vec![reason, count.to_string()]);
-    let mut html = counted("Reasons", &["reason", "structures"], reasons.collect());
+    let columns = vec!["reason", "structures"];
+    let mut parts = Vec::from(counted("Reasons", columns, reasons.collect()));
     let rows = excluded.iter().map(|one| {
         vec![
             one.row.name.clone(),
@@ -360,11 +355,8 @@ fn left_out(excluded: &[Exclusion]) -> Result<Option<Section>> {
             one.detail.clone(),
         ]
     });
-    html += &counted(
-        "Structures",
-        &["name", "label", "reason", "in words"],
-        rows.collect(),
-    );
+    let columns = vec!["name", "label", "reason", "in words"];
+    parts.extend(counted("Structures", columns, rows.collect()));
     let mut csv = Table::new([
         "name", "file", "label", "cluster", "family", "sha256", "reason", "detail",
     ]);
@@ -386,8 +378,11 @@ fn left_out(excluded: &[Exclusion]) -> Result<Option<Section>> {
         ];
         csv.push(words.map(|word| word.as_str().into()))?;
     }
-    html += &data::data("excluded.csv", &csv.to_csv()?)?;
-    Ok(Some(Section::new("Left out", html)))
+    parts.push(Part::Data(Data::Table {
+        name: "excluded.csv".into(),
+        csv: csv.to_csv()?,
+    }));
+    Ok(Section::new("Left out", parts))
 }
 
 fn conditions(settings: &VoxelizeSettings) -> Section {
@@ -403,7 +398,7 @@ fn conditions(settings: &VoxelizeSettings) -> Section {
     };
     Section::new(
         "Conditions",
-        definitions(&[
+        vec![Part::Values(vec![
             ("grid", format!("{0} × {0} × {0} voxels", settings.size)),
             ("edge of a voxel", spacing),
             (
@@ -411,13 +406,7 @@ fn conditions(settings: &VoxelizeSettings) -> Section {
                 word(serde_json::to_value(settings.orientation)),
             ),
             ("potential", word(serde_json::to_value(settings.potential))),
-            (
-                "salt",
-                format!(
-                    "{} mM",
-                    protomer_common::page::millimolar(settings.salt_molar)
-                ),
-            ),
+            ("salt", format!("{} mM", millimolar(settings.salt_molar))),
             ("temperature", format!("{} K", settings.temperature_kelvin)),
             ("pH", settings.ph.to_string()),
             ("probe radius", format!("{} Å", settings.probe_angstrom)),
@@ -429,7 +418,7 @@ fn conditions(settings: &VoxelizeSettings) -> Section {
                 "excluded if more residues lack heavy atoms",
                 format!("{} %", 100.0 * settings.most_incomplete),
             ),
-        ]),
+        ])],
     )
 }
 

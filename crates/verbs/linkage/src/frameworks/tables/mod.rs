@@ -5,6 +5,8 @@
 //! (AM) with 6.023e23 /mol and a hinge at both ends of a rib (K_h = 2 k_h). Honeycombs of h = 2 Å,
 //! l = 1 Å, thickness 1 Å.
 
+pub mod page;
+
 use anyhow::Result;
 use protomer_linkage::framework::analytic::{AxialModuli, Honeycomb};
 use protomer_linkage::framework::{Elasticity, Moduli, build, gpa_per_kcal_mol_angstrom3};

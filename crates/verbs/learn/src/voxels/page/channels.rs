@@ -1,11 +1,10 @@
 //! The content of the channels of a set of voxels, and how a training scales them.
 
-use crate::html::{paragraph, significant, table};
-use crate::page::Section;
+use crate::voxels::samples::VoxelSet;
 use anyhow::{Context, Result};
+use protomer_common::page::{Part, Section, significant};
 use protomer_learn::SampleSource;
 use protomer_learn::scaling::{ChannelScaling, ScalingMode, Transform};
-use protomer_learn_verbs::voxels::samples::VoxelSet;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -30,10 +29,8 @@ pub fn section(set: &VoxelSet, meanings: &BTreeMap<String, String>) -> Result<Se
     let step = set.reader().len().div_ceil(MOST_SAMPLES).max(1);
     let read: Vec<usize> = (0..set.reader().len()).step_by(step).collect();
     if read.is_empty() {
-        return Ok(Section::new(
-            "Channels",
-            paragraph("The set has no samples."),
-        ));
+        let text = "The set has no samples.";
+        return Ok(Section::new("Channels", vec![Part::Paragraph(text.into())]));
     }
     let of_sample = |sample: &usize| -> Result<Vec<Values>> {
         let stored = set
@@ -67,7 +64,7 @@ pub fn section(set: &VoxelSet, meanings: &BTreeMap<String, String>) -> Result<Se
             row.push(describe(transform));
             row
         });
-    let head = [
+    let columns = vec![
         "channel",
         "value",
         "lowest",
@@ -87,7 +84,13 @@ pub fn section(set: &VoxelSet, meanings: &BTreeMap<String, String>) -> Result<Se
     );
     Ok(Section::new(
         "Channels",
-        table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()) + &paragraph(&note),
+        vec![
+            Part::Table {
+                columns,
+                rows: rows.collect(),
+            },
+            Part::Paragraph(note),
+        ],
     ))
 }
 

@@ -1,17 +1,14 @@
 //! The page of a training.
 
-use crate::html::{definitions, escape, list, paragraph, significant, table};
-use crate::page::{Page, Section};
-use crate::{data, figures, provenance};
+use super::{Metrics, NumberMetrics, PREDICTED_NUMBERS, Source, TrainSettings};
 use anyhow::Result;
-use protomer_common::page::{Verdict, significant_or_dash};
+use protomer_common::page::{
+    Contents, Part, Section, SettingsText, Verdict, significant, significant_or_dash,
+};
 use protomer_kernel::setting::Choices;
 use protomer_learn::bootstrap::Interval;
 use protomer_learn::number_scores::NumberScores;
-use protomer_learn_verbs::learning::train::{
-    Metrics, NumberMetrics, PREDICTED_NUMBERS, Source, TrainSettings,
-};
-use protomer_results::Record;
+use protomer_results::{Exit, Record, keys::read_toml};
 use std::path::Path;
 
 /// Number of classes beyond which matrices are only in metrics.json.
@@ -19,61 +16,66 @@ const MOST_CLASSES: usize = 40;
 /// Number of excluded samples that are listed.
 const MOST_NAMED: usize = 20;
 
-/// The page of a directory with these settings.
+/// Contents of the page of a directory.
 ///
 /// # Errors
 /// If a file is damaged.
-pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
+pub fn contents(directory: &Path, record: Option<&Record>) -> Result<Contents> {
+    let settings: TrainSettings = read_toml(&directory.join("settings.toml"))?;
     let metrics = Metrics::read(directory)?;
-    let record = Record::read(directory)?;
-    let mut sections = Vec::new();
-    let curve = data::of_file(directory, "history.csv")?;
+    let mut contents = Contents::new("Training");
+    contents.subtitle = format!(
+        "A network that sees {}",
+        settings.training.channels.join(", ")
+    );
+    contents.verdict = metrics.as_ref().and_then(passed);
+    contents.problems = problems(metrics.as_ref(), record);
+    contents.origin.settings = SettingsText::File("settings.toml");
+    contents.origin.more = vec![("seed", settings.training.seed.to_string())];
     match &metrics {
-        None => sections.push(Section::new(
-            "Scores",
-            paragraph("There are no scores yet: they are written at the end."),
-        )),
-        Some(metrics) => {
-            let mut html = sentence(metrics) + &scores(metrics) + &table_of_baselines(metrics);
-            html += &figures::of_file(directory, "learning_curve.svg", "Learning curve", &curve)?;
-            let predictions = data::of_file(directory, "predictions.csv")?;
-            if let Some(numbers) = &metrics.numbers {
-                let title = "Predicted numbers";
-                let html = table_of_numbers(numbers)
-                    + &figures::of_file(directory, PREDICTED_NUMBERS, title, &predictions)?;
-                sections.push(Section::new("Numbers", html));
-            }
-            html += &predictions;
-            sections.push(Section::new("Scores", html));
-            sections.push(Section::new("Confusion", confusion(metrics)));
-            sections.extend(verdict(metrics));
-            if metrics.ablation.is_some() {
-                sections.push(Section::new(
-                    "Ablation",
-                    data::of_file(directory, "ablation.csv")?,
-                ));
-            }
+        None => {
+            let text = "There are no scores yet: they are written at the end.";
+            contents.add(Section::new("Scores", vec![Part::Paragraph(text.into())]));
         }
+        Some(metrics) => add_scores(metrics, &mut contents),
     }
-    sections.push(conditions(settings, metrics.as_ref()));
-    let more = vec![("seed", settings.training.seed.to_string())];
-    let record = record.as_ref();
-    sections.push(provenance::section(
-        directory,
-        "settings.toml",
-        record,
-        more,
-    )?);
-    Ok(Page {
-        title: format!("Training: {}", provenance::name(directory)),
-        subtitle: format!(
-            "A network that sees {}",
-            settings.training.channels.join(", ")
-        ),
-        verdict: metrics.as_ref().and_then(passed),
-        problems: problems(metrics.as_ref(), record),
-        sections,
-    })
+    contents.add(conditions(&settings, metrics.as_ref()));
+    Ok(contents)
+}
+
+fn add_scores(metrics: &Metrics, contents: &mut Contents) {
+    let predictions = "predictions.csv";
+    if let Some(numbers) = &metrics.numbers {
+        let mut parts = tables_of_numbers(numbers);
+        parts.push(Part::picture(
+            PREDICTED_NUMBERS,
+            "Predicted numbers",
+            Some(predictions),
+        ));
+        contents.add(Section::new("Numbers", parts));
+    }
+    let mut parts = sentences(metrics);
+    parts.push(scores(metrics));
+    parts.push(Part::Heading(
+        "Compared with predictions without voxels".into(),
+    ));
+    parts.push(table_of_baselines(metrics));
+    let history = Some("history.csv");
+    parts.push(Part::picture(
+        "learning_curve.svg",
+        "Learning curve",
+        history,
+    ));
+    parts.push(Part::file(predictions));
+    contents.add(Section::new("Scores", parts));
+    contents.add(Section::new("Confusion", confusion(metrics)));
+    if let Some(control) = control(metrics) {
+        contents.add(control);
+    }
+    if metrics.ablation.is_some() {
+        let table = vec![Part::file("ablation.csv")];
+        contents.add(Section::new("Ablation", table));
+    }
 }
 
 /// Whether a control gave what is known beforehand; `None` for other trainings.
@@ -88,10 +90,11 @@ fn passed(metrics: &Metrics) -> Option<Verdict> {
 }
 
 fn problems(metrics: Option<&Metrics>, record: Option<&Record>) -> Vec<String> {
-    // The scores are there before the experiments of a control and the trainings of an ablation.
-    let mut problems = Vec::from_iter(provenance::unfinished(record));
+    // The page itself says how an unfinished run ended. The scores are there before the experiments of a control and
+    // the trainings of an ablation.
+    let mut problems = Vec::new();
     let Some(metrics) = metrics else {
-        if problems.is_empty() {
+        if record.is_some_and(|record| record.exit == Exit::Done) {
             problems.push("The training is not finished; the same command continues it.".into());
         }
         return problems;
@@ -117,17 +120,16 @@ fn problems(metrics: Option<&Metrics>, record: Option<&Record>) -> Vec<String> {
 }
 
 /// The comparison with the best baseline, and the classes that the test part lacks.
-fn sentence(metrics: &Metrics) -> String {
+fn sentences(metrics: &Metrics) -> Vec<Part> {
     // A control has a verdict of its own, on whether it came out as expected.
     let verdict = metrics.verdict.iter().filter(|_| metrics.control.is_none());
     let verdict = verdict.map(|verdict| format!("Verdict: {verdict}."));
     let absent = metrics.absent_classes();
     let absent = absent.map(|absent| format!("About the test part: {absent}."));
-    let sentences = verdict.chain(absent);
-    sentences.map(|text| paragraph(&text)).collect()
+    verdict.chain(absent).map(Part::Paragraph).collect()
 }
 
-fn scores(metrics: &Metrics) -> String {
+fn scores(metrics: &Metrics) -> Part {
     let interval = |interval: &Interval| {
         format!(
             "95 %: {} to {}",
@@ -138,7 +140,7 @@ fn scores(metrics: &Metrics) -> String {
     let rounded = |value: f64| significant(value, 4);
     let calibration = metrics.calibration();
     let calibration = calibration.map(|(name, value)| (name, rounded(value)));
-    definitions(&[
+    Part::Values(vec![
         (
             "balanced accuracy",
             format!(
@@ -182,8 +184,8 @@ fn scores(metrics: &Metrics) -> String {
     ])
 }
 
-fn table_of_baselines(metrics: &Metrics) -> String {
-    let head = [
+fn table_of_baselines(metrics: &Metrics) -> Part {
+    let columns = vec![
         "",
         "accuracy",
         "balanced accuracy",
@@ -191,8 +193,7 @@ fn table_of_baselines(metrics: &Metrics) -> String {
         "top 3",
         "cross entropy (nats)",
         "gained over the prior (nats)",
-    ]
-    .map(str::to_owned);
+    ];
     let mut rows = Vec::new();
     for scores in metrics.score_rows() {
         let mut row = vec![scores.name];
@@ -201,15 +202,12 @@ fn table_of_baselines(metrics: &Metrics) -> String {
         row.push(significant_or_dash(scores.gained_nats, 3));
         rows.push(row);
     }
-    format!(
-        "<h3>Compared with predictions without voxels</h3>\n{}",
-        table(&head, &rows)
-    )
+    Part::Table { columns, rows }
 }
 
-fn table_of_numbers(numbers: &NumberMetrics) -> String {
-    let mut head = vec![String::new()];
-    head.extend(NumberMetrics::HEADINGS.map(str::to_owned));
+fn tables_of_numbers(numbers: &NumberMetrics) -> Vec<Part> {
+    let mut columns = vec![""];
+    columns.extend(NumberMetrics::HEADINGS);
     let row = |name: &str, scores: &NumberScores| {
         let values = [
             scores.rms_error,
@@ -247,63 +245,38 @@ fn table_of_numbers(numbers: &NumberMetrics) -> String {
             ),
         ));
     }
-    table(&head, &rows) + &definitions(&defined)
+    vec![Part::Table { columns, rows }, Part::Values(defined)]
 }
 
-/// The confusion matrix. Rows are true classes, columns predicted ones; the shade is the share of
-/// the row.
-fn confusion(metrics: &Metrics) -> String {
-    if metrics.classes.len() > MOST_CLASSES {
-        return paragraph(&format!(
-            "{} classes; the matrix is in metrics.json.",
-            metrics.classes.len()
-        ));
+/// The confusion matrix. Rows are true classes, columns predicted ones.
+fn confusion(metrics: &Metrics) -> Vec<Part> {
+    let count = metrics.classes.len();
+    if count > MOST_CLASSES {
+        let text = format!("{count} classes; the matrix is in metrics.json.");
+        return vec![Part::Paragraph(text)];
     }
-    let head: String = metrics
-        .classes
-        .iter()
-        .map(|class| format!("<th>{}</th>", escape(class)))
-        .collect();
-    let rows = metrics
-        .classes
-        .iter()
-        .zip(&metrics.confusion_matrix)
-        .map(|(class, row)| {
-            let sum: f64 = row.iter().sum();
-            let cell = |value: &f64| {
-                let share = if sum > 0.0 { value / sum } else { 0.0 };
-                format!(
-                    "<td style=\"--share:{share:.3}\">{}</td>",
-                    significant(*value, 3)
-                )
-            };
-            format!(
-                "<tr><th>{}</th>{}</tr>\n",
-                escape(class),
-                row.iter().map(cell).collect::<String>()
-            )
-        });
     let note = "Weight of test samples: the true class by row, the predicted one by column.";
-    format!(
-        "<div class=\"scroll\"><table class=\"heat\">\n<thead><tr><th>true \\ predicted</th>{head}</tr></thead>\n<tbody>\n{}\
-         </tbody>\n</table></div>\n{}",
-        rows.collect::<String>(),
-        paragraph(note)
-    )
+    vec![
+        Part::Shares {
+            corner: "true \\ predicted",
+            names: metrics.classes.clone(),
+            rows: metrics.confusion_matrix.clone(),
+        },
+        Part::Paragraph(note.into()),
+    ]
 }
 
 /// The expected outcome of a control, and whether it was met.
-fn verdict(metrics: &Metrics) -> Option<Section> {
+fn control(metrics: &Metrics) -> Option<Section> {
     let control = metrics.control.as_ref()?;
-    let head = [
+    let columns = vec![
         "experiment",
         "channels",
         "balanced accuracy",
         "at least",
         "at most",
         "as expected",
-    ]
-    .map(str::to_owned);
+    ];
     let rows = control.experiments.iter().map(|one| {
         vec![
             one.name.clone(),
@@ -316,12 +289,18 @@ fn verdict(metrics: &Metrics) -> Option<Section> {
     });
     Some(Section::new(
         "Control",
-        paragraph(&control.shows) + &table(&head, &rows.collect::<Vec<_>>()),
+        vec![
+            Part::Paragraph(control.shows.clone()),
+            Part::Table {
+                columns,
+                rows: rows.collect(),
+            },
+        ],
     ))
 }
 
 /// The settings, as names and values.
-pub fn describe(settings: &TrainSettings) -> Vec<(&'static str, String)> {
+pub(in crate::learning) fn describe(settings: &TrainSettings) -> Vec<(&'static str, String)> {
     let source = match &settings.source {
         Source::Set { path, digest } => {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -378,7 +357,7 @@ pub fn describe(settings: &TrainSettings) -> Vec<(&'static str, String)> {
 
 fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
     let mut rows = describe(settings);
-    let mut left_out = String::new();
+    let mut left_out = Vec::new();
     if let Some(metrics) = metrics {
         let parts = &metrics.samples;
         let text = format!(
@@ -393,21 +372,18 @@ fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
                 .iter()
                 .take(MOST_NAMED)
                 .map(|one| format!("{}: {}", one.name, one.reason));
-            left_out = format!(
-                "<h3>Left out: {} samples{}</h3>\n{}",
-                metrics.quarantined.len(),
-                if metrics.quarantined.len() > MOST_NAMED {
-                    ", among them"
-                } else {
-                    ""
-                },
-                list(&named.collect::<Vec<_>>())
-            );
+            let title = match metrics.quarantined.len() {
+                many if many > MOST_NAMED => format!("Left out: {many} samples, among them"),
+                few => format!("Left out: {few} samples"),
+            };
+            left_out = vec![Part::Heading(title), Part::List(named.collect())];
         }
     }
     let cautions = metrics.map(Metrics::cautions).unwrap_or_default();
-    let joined = cautions.iter();
-    let joined = joined.map(|caution| paragraph(&format!("In this training {caution}.")));
-    let joined: String = joined.collect();
-    Section::new("Conditions", definitions(&rows) + &joined + &left_out)
+    let mut parts = vec![Part::Values(rows)];
+    for caution in cautions {
+        parts.push(Part::Paragraph(format!("In this training {caution}.")));
+    }
+    parts.extend(left_out);
+    Section::new("Conditions", parts)
 }
