@@ -1,6 +1,6 @@
 //! The shape of the workspace: which crate may depend on which, one door per heavy dependency,
 //! permissive licences; what its pages may not say any more (`decisions`), and the version that its files state
-//! (`versions`).
+//! (`versions`). With `UPDATE_REFERENCE=1` it writes the modules of ARCHITECTURE.md.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
@@ -163,6 +163,8 @@ struct Row {
     folder: PathBuf,
     /// The names before, and within, each pair of parentheses.
     modules: BTreeMap<String, BTreeSet<String>>,
+    /// Text of these names.
+    cell: String,
     needs: String,
 }
 
@@ -173,6 +175,23 @@ impl Row {
         match self.folder.parent().unwrap().ends_with("verbs") {
             true => format!("{last}-verbs"),
             false => last.to_owned(),
+        }
+    }
+
+    /// Names that the row must have outside of parentheses.
+    fn listed(&self) -> BTreeSet<String> {
+        match self.folder.ends_with("python") {
+            true => self.modules.keys().cloned().collect(),
+            false => modules_in(&self.folder.join("src/lib.rs")),
+        }
+    }
+
+    /// Names that the row must have in the parentheses after a module, if there are any.
+    fn inside(&self, module: &str) -> BTreeSet<String> {
+        match module {
+            "rust" => files_in(&self.folder.join(module), ".rs"),
+            "protomer" => files_in(&self.folder.join(module), ".py"),
+            _ => modules_in(&self.folder.join("src").join(module).join("mod.rs")),
         }
     }
 
@@ -206,9 +225,64 @@ fn modules_of(cell: &str) -> BTreeMap<String, BTreeSet<String>> {
     modules
 }
 
+/// The cell with missing names at the ends of their lists, and without those that are gone.
+fn corrected(
+    cell: &str,
+    listed: &BTreeSet<String>,
+    inner: impl Fn(&str) -> BTreeSet<String>,
+) -> String {
+    let (mut missing, mut missing_inner) = (listed.clone(), BTreeSet::new());
+    let (mut text, mut last, mut is_inner) = (String::new(), String::new(), false);
+    let add = |text: &mut String, names: &mut BTreeSet<String>| {
+        let names = std::mem::take(names);
+        text.extend(names.iter().map(|name| format!(" `{name}`")));
+    };
+    for (place, part) in cell.split('`').enumerate() {
+        if place % 2 == 0 {
+            let was_inner = is_inner;
+            let bracket = part.rfind(['(', ')']);
+            is_inner = bracket.map_or(is_inner, |at| part[at..].starts_with('('));
+            if is_inner && !was_inner && listed.contains(&last) {
+                missing_inner = inner(&last);
+            } else if was_inner && !is_inner {
+                add(&mut text, &mut missing_inner);
+            }
+            // Of a name that is gone nothing stays.
+            if last.is_empty() || listed.contains(&last) {
+                text += part;
+            }
+            continue;
+        }
+        let is_there = match is_inner {
+            true => missing_inner.remove(part),
+            false => {
+                part.clone_into(&mut last);
+                missing.remove(part)
+            }
+        };
+        match is_there {
+            true => text += &format!("`{part}`"),
+            false => text.truncate(text.trim_end().len()),
+        }
+    }
+    add(&mut text, &mut missing);
+    text.replace("( `", "(`").trim().to_owned()
+}
+
+/// Writes the modules that there are into the table of ARCHITECTURE.md.
+fn update_architecture() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../ARCHITECTURE.md");
+    let mut text = std::fs::read_to_string(&path).unwrap();
+    for row in rows() {
+        let cell = corrected(&row.cell, &row.listed(), |module| row.inside(module));
+        text = text.replace(&format!("| {} |", row.cell), &format!("| {cell} |"));
+    }
+    std::fs::write(path, text).unwrap();
+}
+
 fn rows() -> Vec<Row> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let text = include_str!("../../../../ARCHITECTURE.md");
+    let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();
     let table = text
         .lines()
         .skip_while(|line| !line.starts_with("| crate |"))
@@ -225,6 +299,7 @@ fn rows() -> Vec<Row> {
             Row {
                 folder,
                 modules: modules_of(modules),
+                cell: modules.to_owned(),
                 needs,
             }
         })
@@ -269,35 +344,27 @@ fn the_architecture_lists_the_modules_that_there_are() {
             ("d".to_owned(), BTreeSet::new()),
         ])
     );
+    let (listed, inside) = (["a", "c"], ["d", "e"]);
+    let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+    assert_eq!(
+        corrected("`b` (`x`), `a` (`f` `d`)", &names(&listed), |_| names(
+            &inside
+        )),
+        "`a` (`d` `e`) `c`"
+    );
+    if std::env::var_os("UPDATE_REFERENCE").is_some() {
+        update_architecture();
+    }
     let rows = rows();
     let crates = dependencies(&metadata()).len();
     assert_eq!(rows.len(), crates, "a crate has no row, or a row no crate");
-    for Row {
-        folder, modules, ..
-    } in rows
-    {
-        let name = folder.display();
-        if folder.ends_with("python") {
-            assert_eq!(
-                modules["rust"],
-                files_in(&folder.join("rust"), ".rs"),
-                "{name}"
-            );
-            assert_eq!(
-                modules["protomer"],
-                files_in(&folder.join("protomer"), ".py"),
-                "{name}"
-            );
-            continue;
-        }
-        let listed: BTreeSet<String> = modules.keys().cloned().collect();
-        assert_eq!(listed, modules_in(&folder.join("src/lib.rs")), "{name}");
-        for (module, inner) in modules.iter().filter(|(_, inner)| !inner.is_empty()) {
-            assert_eq!(
-                *inner,
-                modules_in(&folder.join("src").join(module).join("mod.rs")),
-                "{name}: {module}"
-            );
+    let advice = "write them with UPDATE_REFERENCE=1 cargo test -p protomer-cli --test workspace";
+    for row in rows {
+        let name = row.folder.display();
+        let listed: BTreeSet<String> = row.modules.keys().cloned().collect();
+        assert_eq!(listed, row.listed(), "{name}; {advice}");
+        for (module, inner) in row.modules.iter().filter(|(_, inner)| !inner.is_empty()) {
+            assert_eq!(*inner, row.inside(module), "{name}: {module}; {advice}");
         }
     }
 }
