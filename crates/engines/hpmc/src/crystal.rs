@@ -12,10 +12,17 @@ use protomer_kernel::shape::separation::{Block, dot};
 use protomer_kernel::{Rotation, Vec3};
 
 /// Names of unit cells, by dimension.
-pub const NAMES: [&str; 3] = [
-    "row",
-    "square and hexagonal",
-    "simple-cubic, fcc, bcc, hcp, diamond and hexagonal-diamond",
+pub const NAMES: [&[&str]; 3] = [
+    &["row"],
+    &["square", "hexagonal"],
+    &[
+        "simple-cubic",
+        "fcc",
+        "bcc",
+        "hcp",
+        "diamond",
+        "hexagonal-diamond",
+    ],
 ];
 
 /// Sites nearer to each other than this part of the cell are the same.
@@ -638,6 +645,25 @@ mod tests {
             _ => Shape::solid(&[Vec3::zeros()]),
         };
         HardBody::new(&shape.unwrap(), 0.5).unwrap()
+    }
+
+    #[test]
+    fn every_name_is_that_of_a_unit_cell() {
+        assert!(
+            NAMES[0]
+                .iter()
+                .all(|name| UnitCell::<1>::by_name(name).is_ok())
+        );
+        assert!(
+            NAMES[1]
+                .iter()
+                .all(|name| UnitCell::<2>::by_name(name).is_ok())
+        );
+        assert!(
+            NAMES[2]
+                .iter()
+                .all(|name| UnitCell::<3>::by_name(name).is_ok())
+        );
     }
 
     /// The largest packing fraction of a crystal, as its error tells it.

@@ -140,14 +140,17 @@ pub enum Error {
         nearest: usize,
     },
     /// The name is not that of a crystal.
-    #[error("'{name}' is not a crystal in {dimension} dimensions; known are {names}")]
+    #[error(
+        "'{name}' is not a crystal in {dimension} dimensions; known are {}",
+        listed(names)
+    )]
     UnknownCrystal {
         /// The name.
         name: String,
         /// Number of dimensions of the bodies.
         dimension: usize,
         /// Names of the crystals that are known.
-        names: &'static str,
+        names: &'static [&'static str],
     },
     /// A curve needs more points.
     #[error("there are {given} points; a curve through them needs at least {fewest}")]
@@ -204,6 +207,14 @@ pub(crate) fn require_packing_fraction(value: f64) -> Result<()> {
         "from 1e-15 to less than 1",
         holds,
     )
+}
+
+/// Names with commas and "and" between them.
+fn listed(names: &[&str]) -> String {
+    match names {
+        [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => names.concat(),
+    }
 }
 
 /// `Ok` if `value` is finite and `holds`, otherwise the error that names the quantity.

@@ -7,6 +7,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer_shape_verbs::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
+use protomer_shape_verbs::hard_bodies::start::names_of_crystals;
 use std::path::PathBuf;
 
 /// Compute the free energy of a crystal of hard bodies. The same command continues the run; more sweeps
@@ -23,9 +24,7 @@ use std::path::PathBuf;
 pub struct FreeEnergyArgs {
     #[command(flatten)]
     body: HardBodyArgs,
-    /// Name of the crystal (simple-cubic, fcc, bcc, hcp, diamond, hexagonal-diamond; square, hexagonal; row),
-    /// or the file of its unit cell.
-    #[arg(long)]
+    #[arg(long, help = format!("Name of the crystal ({}), or the file of its unit cell", names_of_crystals(&[3, 2, 1])))]
     crystal: String,
     /// Turn every body first: degrees in a plane, a quaternion W,X,Y,Z in space.
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]

@@ -4,12 +4,24 @@ use crate::shapes::read_shape;
 use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
 use protomer_hpmc::body::HardBody;
-use protomer_hpmc::crystal::{Site, UnitCell};
+use protomer_hpmc::crystal::{NAMES, Site, UnitCell};
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::{Rotation, Vec3};
 use std::path::Path;
+
+/// Names of the crystals of these dimensions, as the help of a flag lists them.
+///
+/// ```
+/// use protomer_shape_verbs::hard_bodies::start::names_of_crystals;
+/// assert_eq!(names_of_crystals(&[2, 1]), "square, hexagonal; row");
+/// ```
+pub fn names_of_crystals(dimensions: &[usize]) -> String {
+    let names = dimensions.iter().filter_map(|number| NAMES.get(number - 1));
+    let lists: Vec<String> = names.map(|names| names.join(", ")).collect();
+    lists.join("; ")
+}
 
 /// The start that is no crystal.
 pub const FLUID: &str = "fluid";

@@ -4,6 +4,7 @@ use crate::flags::hard_body::FreeVolumeGridArgs;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
+use protomer_shape_verbs::hard_bodies::start::names_of_crystals;
 use protomer_shape_verbs::hard_bodies::static_free_volume::{
     StaticFreeVolumeSettings, static_free_volumes,
 };
@@ -26,9 +27,7 @@ pub struct FreeVolumeArgs {
         allow_negative_numbers = true
     )]
     rounding: f64,
-    /// Name of the crystal (simple-cubic, fcc, bcc, hcp, diamond, hexagonal-diamond), or the file of its
-    /// unit cell.
-    #[arg(long)]
+    #[arg(long, help = format!("Name of the crystal ({}), or the file of its unit cell", names_of_crystals(&[3])))]
     crystal: String,
     /// Turn every body first: a quaternion W,X,Y,Z.
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]

@@ -9,7 +9,7 @@ use protomer_shape_verbs::hard_bodies::potential_file::{read_field, read_potenti
 use protomer_shape_verbs::hard_bodies::settings::{
     Freedom, Gravity, HardBodySettings, Pressure, parse_depletants,
 };
-use protomer_shape_verbs::hard_bodies::start::FLUID;
+use protomer_shape_verbs::hard_bodies::start::{FLUID, names_of_crystals};
 use std::path::PathBuf;
 
 /// Bodies, their box, and what is measured.
@@ -45,10 +45,16 @@ pub struct SystemArgs {
     /// Number of bodies [default: 216; those of a state].
     #[arg(long)]
     bodies: Option<usize>,
-    /// Initial arrangement of the bodies: fluid, the name of a crystal (simple-cubic, fcc, bcc,
-    /// hcp, diamond, hexagonal-diamond; square, hexagonal; row), the file of a unit cell, or a state: a
-    /// GSD file of any program, or the directory of a run.
-    #[arg(long, default_value = FLUID, value_name = "CRYSTAL")]
+    #[arg(
+        long,
+        default_value = FLUID,
+        value_name = "CRYSTAL",
+        help = format!(
+            "Initial arrangement of the bodies: {FLUID}, the name of a crystal ({}), the file of a unit cell, or a state: a GSD \
+             file of any program, or the directory of a run",
+            names_of_crystals(&[3, 2, 1])
+        )
+    )]
     start: String,
     /// Frame of the GSD file to start from, counted from 0 [default: the last].
     #[arg(long, value_name = "NUMBER")]
