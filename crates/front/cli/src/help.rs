@@ -1,6 +1,7 @@
-//! What the help adds to the table of flags: verbs in groups, examples, and values that may start with
-//! a minus.
+//! What the help adds to the table of flags: verbs in groups, examples, and values that may start with a
+//! minus.
 
+use crate::verbs::GROUPS;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, Command};
@@ -10,366 +11,12 @@ use protomer_protein_verbs::file_kind::FileKind;
 use std::ffi::OsString;
 use std::path::Path;
 
-/// Groups of verbs, in the order of the help.
-const GROUPS: [(&str, &[&str]); 8] = [
-    ("Structures", &["fetch", "ingest", "surface", "body"]),
-    (
-        "Assemblies",
-        &["assemble", "candidates", "inspect", "export"],
-    ),
-    (
-        "Stability",
-        &[
-            "stability",
-            "simulate",
-            "sweep",
-            "residues",
-            "reweight",
-            "compare",
-            "pair",
-            "binding",
-            "score",
-            "scattering",
-        ],
-    ),
-    ("Potentials", &["potential", "titrate"]),
-    (
-        "Learning",
-        &["voxelize", "merge", "train", "tune", "predict"],
-    ),
-    ("Lattices", &["lattice", "framework"]),
-    (
-        "Hard shapes",
-        &["shape", "hpmc", "free-energy", "md", "phase-diagram"],
-    ),
-    ("Tools", &["report", "bench", "completions", "man", "help"]),
-];
-
-/// Two examples of each verb, without the name of the program.
-const EXAMPLES: &[(&str, [&str; 2])] = &[
-    ("fetch", ["fetch 6MDR -o structures", "fetch 5PTI 1BRS"]),
-    (
-        "ingest",
-        [
-            "ingest 5pti.cif.gz -o bodies",
-            "ingest 5pti.cif.gz -o bodies --name plus --ph 7 --mutate A:D3K,A:E7K",
-        ],
-    ),
-    (
-        "surface",
-        [
-            "surface 5pti.cif.gz -o bpti.ply",
-            "surface spheres.xyzr --probe 1.4 --density 4 --json",
-        ],
-    ),
-    (
-        "body",
-        [
-            "body --mesh patchy.ply --charges patchy.xyzq -o patchy.body",
-            "body --mesh cube.off -o cube.body",
-        ],
-    ),
-    (
-        "assemble",
-        [
-            "assemble structure 1brs.cif.gz --chain A,D --relax -o complex",
-            "assemble ring a.body b.body --members 4 --box 320 -o ring.json",
-        ],
-    ),
-    (
-        "assemble structure",
-        [
-            "assemble structure receptor.pdb ligand.pdb --box 300 -o complex",
-            "assemble structure 6mdr.cif.gz --assembly 1 --box 400 -o stack",
-        ],
-    ),
-    (
-        "assemble ring",
-        [
-            "assemble ring a.body b.body --members 4 --box 320 -o ring.json",
-            "assemble ring a.body b.body --members 8 --stack 2 --directions ud -o stack.json",
-        ],
-    ),
-    (
-        "assemble fluid",
-        [
-            "assemble fluid a.body b.body --counts 8,8 --box 500 -o fluid.json",
-            "assemble fluid a.body --counts 20 --box 400 --seed 7 -o fluid.json",
-        ],
-    ),
-    (
-        "candidates",
-        [
-            "candidates a.body b.body --ring 8 --stack 2",
-            "candidates a.body b.body --ring 4 --stack 2 --box 320 -o candidates",
-        ],
-    ),
-    (
-        "inspect",
-        [
-            "inspect ring.json",
-            "inspect ring.json --salt 100mM --interaction effective",
-        ],
-    ),
-    (
-        "export",
-        [
-            "export ring.json -o ring.cif --script chimerax",
-            "export stability --salt 300mM --frame last -o end.pdb",
-        ],
-    ),
-    (
-        "scattering",
-        [
-            "scattering stability -o scattering",
-            "scattering ring.json --q-max 0.2 --json",
-        ],
-    ),
-    (
-        "simulate",
-        [
-            "simulate ring.json --salt 100mM -o run",
-            "simulate ring.json --salt 0.1M --sweeps 5000 --interaction effective -o run",
-        ],
-    ),
-    (
-        "sweep",
-        [
-            "sweep ring.json --salt 10mM..300mM/8 --replicas 4 -o stability",
-            "sweep ring.json --salt 10mM,50mM,250mM --starts both --exchange-every 20 -o equilibrium",
-        ],
-    ),
-    (
-        "residues",
-        [
-            "residues stability --salt 100mM --mutations",
-            "residues ring.json --salt 100mM -o holds --script pymol",
-        ],
-    ),
-    (
-        "reweight",
-        [
-            "reweight stability -o curves",
-            "reweight stability --salt 50mM..200mM/20 --concentration 1uM,100uM",
-        ],
-    ),
-    (
-        "compare",
-        [
-            "compare spin_0 spin_90 -o spins.svg",
-            "compare stability --title Ring -o ring.png",
-        ],
-    ),
-    (
-        "stability",
-        [
-            "stability 4hhb.cif.gz --salt 50mM,150mM,500mM --concentration 1uM",
-            "stability 6mdr/assembly.json --salt 50mM..1M/6 --concentration 100nM,1uM -o yields",
-        ],
-    ),
-    (
-        "score",
-        [
-            "score designs -o scores --columns energy,area,shape",
-            "score complexes.csv -o scores --columns affinity,kd --salt 50mM,150mM",
-        ],
-    ),
-    (
-        "binding",
-        [
-            "binding receptor.pdb ligand.pdb --salt 50mM,150mM,500mM",
-            "binding complex.cif.gz --body H,L --body A --salt 150mM,50mM --ph 6,7.4 --exchanges",
-        ],
-    ),
-    (
-        "pair",
-        [
-            "pair 4lzt.pdb.gz --salt 100mM,300mM --ph 4.5 --interaction effective -o lysozyme",
-            "pair a.body b.body --salt 10mM..1M/8 -o association",
-        ],
-    ),
-    (
-        "titrate",
-        [
-            "titrate 5pti.cif.gz --ph 7 --salt 100mM",
-            "titrate 5pti.cif.gz --ph 2..12 --salt 100mM -o titration",
-        ],
-    ),
-    (
-        "potential",
-        [
-            "potential 5pti.cif.gz --salt 100mM -o bpti.mrc",
-            "potential a.body --salt 0.15M --points points.txt --json",
-        ],
-    ),
-    (
-        "voxelize",
-        [
-            "voxelize --manifest set.csv -o set.zarr --seed 1",
-            "voxelize --manifest set.csv --shard 1/4 -o part1.zarr",
-        ],
-    ),
-    (
-        "merge",
-        [
-            "merge part1.zarr part2.zarr -o set.zarr",
-            "merge a.zarr b.zarr -o both.zarr --force",
-        ],
-    ),
-    (
-        "train",
-        [
-            "train set.zarr --target crystal-system --epochs 40 -o run",
-            "train --control charge --short -o charge",
-        ],
-    ),
-    (
-        "tune",
-        [
-            "tune set.zarr --target crystal-system --trials 27 -o search",
-            "tune set.zarr --trials 9 --shard 1/4 -o search",
-        ],
-    ),
-    (
-        "predict",
-        [
-            "predict run new.zarr -o predictions.csv",
-            "predict run new.zarr --json",
-        ],
-    ),
-    (
-        "lattice",
-        [
-            "lattice run --ns 10 --r0 0.05 --time 3 -o coherent",
-            "lattice --from bodies/square.body",
-        ],
-    ),
-    (
-        "lattice run",
-        [
-            "lattice run --ns 10 --r0 0.05 --time 3 -o coherent",
-            "lattice run square.toml --time 10 -o rhua",
-        ],
-    ),
-    (
-        "lattice sweep",
-        [
-            "lattice sweep --ns 4 --r0-list 0.05,0.5,1 --kappa-list 0,10 --seeds 3 -o sweep",
-            "lattice sweep --ns 2 --r0-list 0.25,0.5 --seeds 2 --lyapunov -o chaos",
-        ],
-    ),
-    (
-        "lattice elastic",
-        [
-            "lattice elastic pulled pushed",
-            "lattice elastic warm --discard 0.2 --blocks 10",
-        ],
-    ),
-    (
-        "lattice divergence",
-        [
-            "lattice divergence chaos --column checkerboard",
-            "lattice divergence chaos --radius 0.1 --fit-to 8",
-        ],
-    ),
-    (
-        "lattice joint",
-        [
-            "lattice joint bodies/square.body --salt 100mM --rod 8A -o joint.csv",
-            "lattice joint bodies/square.body --salt 20mM --rod 8A --turned-over",
-        ],
-    ),
-    (
-        "lattice animate",
-        [
-            "lattice animate coherent",
-            "lattice animate coherent -o coherent.html --frames frames",
-        ],
-    ),
-    (
-        "framework",
-        [
-            "framework honeycomb --theta 60 --kh 50 --ks 10000",
-            "framework net.toml --load y --stress 1GPa,2GPa -o pulled",
-        ],
-    ),
-    (
-        "shape",
-        ["shape cube --rounding 0.1", "shape corners.txt -o hull.ply"],
-    ),
-    (
-        "shape virial",
-        [
-            "shape virial cube tetrahedron",
-            "shape virial cube --triples 100000 --depletants 0.1:5",
-        ],
-    ),
-    (
-        "shape free-volume",
-        [
-            "shape free-volume cube --packing-fraction 0.3 --depletant-radius 0.1",
-            "shape free-volume ellipsoid:1,1,3 --packing-fraction 0.1,0.2 --depletant-radius 0.05",
-        ],
-    ),
-    (
-        "md",
-        [
-            "md run --shape polygon:4 --packing-fraction 0.6 -o squares",
-            "md run --shape octahedron --bodies 500 --potential smooth --ensemble nvt -o fluid",
-        ],
-    ),
-    (
-        "md run",
-        [
-            "md run --shape polygon:4 --packing-fraction 0.6 -o squares",
-            "md run --shape octahedron --bodies 500 --potential smooth --ensemble nvt -o fluid",
-        ],
-    ),
-    (
-        "hpmc",
-        [
-            "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
-            "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted",
-        ],
-    ),
-    (
-        "hpmc run",
-        [
-            "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
-            "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted",
-        ],
-    ),
-    (
-        "free-energy",
-        [
-            "free-energy --shape cube --crystal simple-cubic --bodies 64 --packing-fraction 0.6 -o cubes",
-            "free-energy --shape rod:1 --crystal row --bodies 32 --packing-fraction 0.5 -o rods",
-        ],
-    ),
-    (
-        "phase-diagram",
-        [
-            "phase-diagram --size-ratio 0.5 --reservoir 0.4,0.5,0.6",
-            "phase-diagram --branch fluid.txt --branch solid.txt",
-        ],
-    ),
-    (
-        "report",
-        [
-            "report stability",
-            "report coherent -o coherent.html --force",
-        ],
-    ),
-    (
-        "bench",
-        [
-            "bench ring.json --salt 300mM --moves 2000",
-            "bench --part charges --charges 500",
-        ],
-    ),
-    ("completions", ["completions bash", "completions zsh"]),
-    ("man", ["man", "man -o ~/.local/share/man/man1"]),
-];
+/// The two examples of a verb, each without the name of the program, as its help shows them.
+macro_rules! examples {
+    ($first:literal, $second:literal) => {
+        concat!("Examples:\n  protomer ", $first, "\n  protomer ", $second)
+    };
+}
 
 /// Largest width of the list of verbs.
 const WIDTH: usize = 100;
@@ -383,21 +30,43 @@ pub fn completed(derived: Command) -> Command {
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{list}Options:\n{{options}}\n\n\
          'protomer VERB --help' shows the flags of a verb, with examples."
     );
-    with_examples(derived, "").help_template(template)
+    with_numbers_below_zero(derived).help_template(template)
+}
+
+/// Groups of verbs, in the order of the help, with the names of the verbs: words in small letters with hyphens.
+fn groups() -> Vec<(&'static str, Vec<String>)> {
+    let name = |verb: &&str| {
+        let mut name = String::new();
+        for letter in verb.chars() {
+            if letter.is_uppercase() && !name.is_empty() {
+                name.push('-');
+            }
+            name.extend(letter.to_lowercase());
+        }
+        name
+    };
+    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
+    for (group, verbs) in GROUPS {
+        groups.push((group, verbs.iter().map(name).collect()));
+    }
+    // The verb that clap adds.
+    if let Some((_, last)) = groups.last_mut() {
+        last.push("help".into());
+    }
+    groups
 }
 
 /// The verbs in groups, each with the beginning of its description.
 fn grouped(derived: &Command) -> String {
     let mut list = String::new();
-    for (group, verbs) in GROUPS {
-        let is_built = |name: &&&str| **name == "help" || derived.find_subcommand(name).is_some();
-        let verbs: Vec<&&str> = verbs.iter().filter(is_built).collect();
+    for (group, mut verbs) in groups() {
+        verbs.retain(|name| name == "help" || derived.find_subcommand(name).is_some());
         if verbs.is_empty() {
             continue;
         }
         list.push_str(&format!("{group}:\n"));
         for name in verbs {
-            let verb = derived.find_subcommand(name);
+            let verb = derived.find_subcommand(&name);
             let about = verb.and_then(Command::get_about).map(ToString::to_string);
             let about = about.unwrap_or_else(|| "Print the help of a verb".into());
             let mut line = format!("  {name:<width$}", width = INDENT - 2);
@@ -426,27 +95,20 @@ fn beginning(about: &str) -> &str {
     about[..end.unwrap_or(about.len())].trim_end_matches('.')
 }
 
-/// The examples of a verb, by its name after that of the program.
-pub fn examples_of(path: &str) -> &'static [&'static str] {
-    match EXAMPLES.iter().find(|(verb, _)| *verb == path) {
-        Some((_, examples)) => examples,
-        None => &[],
-    }
+/// The examples of a verb, without the name of the program.
+pub fn examples_of(verb: &Command) -> Vec<String> {
+    let text = verb.get_after_long_help().map(ToString::to_string);
+    let text = text.unwrap_or_default();
+    let examples = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("  protomer "));
+    examples.map(str::to_owned).collect()
 }
 
-/// Adds the examples of this verb and those below it; `path` is its name after that of the program.
-fn with_examples(verb: Command, path: &str) -> Command {
-    let verb = verb.mut_args(minus_is_no_flag);
-    let verb = match examples_of(path) {
-        [first, second] => verb.after_long_help(format!(
-            "Examples:\n  protomer {first}\n  protomer {second}"
-        )),
-        _ => verb,
-    };
-    verb.mut_subcommands(|below| {
-        let path = format!("{path} {}", below.get_name());
-        with_examples(below, path.trim_start())
-    })
+/// The verb and those below it, with flags that take numbers below zero.
+fn with_numbers_below_zero(verb: Command) -> Command {
+    verb.mut_args(minus_is_no_flag)
+        .mut_subcommands(with_numbers_below_zero)
 }
 
 /// Lets a flag take a number below zero as its value; the flag itself then states whether it may be
@@ -506,10 +168,7 @@ pub fn with_missing_feature(error: clap::Error, syntax: &mut Command) -> clap::E
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
     };
-    let is_verb = GROUPS
-        .iter()
-        .any(|(_, verbs)| verbs.contains(&word.as_str()));
-    if !is_verb {
+    if !groups().iter().any(|(_, verbs)| verbs.contains(word)) {
         return error;
     }
     let reason = format!(
@@ -574,27 +233,33 @@ mod tests {
     use clap::CommandFactory;
 
     #[test]
-    fn every_verb_stands_in_one_group_and_has_examples() {
+    fn every_verb_stands_in_a_group_by_its_name() {
         let command = Cli::command();
         let mut verbs: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();
-        let with_examples: Vec<&str> = EXAMPLES.iter().map(|(verb, _)| *verb).collect();
-        for verb in &verbs {
-            assert!(with_examples.contains(verb), "{verb} has no examples");
-        }
-        let mut listed: Vec<&str> = GROUPS
-            .iter()
-            .flat_map(|(_, verbs)| *verbs)
-            .copied()
-            .collect();
         verbs.push("help");
-        verbs.sort_unstable();
-        listed.sort_unstable();
+        let listed: Vec<String> = groups().into_iter().flat_map(|(_, verbs)| verbs).collect();
         assert_eq!(listed, verbs);
     }
 
+    /// The verb and those below it, each with its name after that of the program.
+    fn all_verbs(verb: &Command, path: &str) -> Vec<(String, Command)> {
+        let mut verbs = Vec::new();
+        for below in verb.get_subcommands() {
+            let path = format!("{path} {}", below.get_name())
+                .trim_start()
+                .to_owned();
+            verbs.extend(all_verbs(below, &path));
+            verbs.push((path, below.clone()));
+        }
+        verbs
+    }
+
     #[test]
-    fn examples_are_commands_of_their_verb() {
-        for (verb, examples) in EXAMPLES {
+    fn every_verb_has_examples_that_are_commands_of_it() {
+        for (verb, command) in all_verbs(&Cli::command(), "") {
+            let examples = examples_of(&command);
+            let is_below = verb.contains(' ');
+            assert!(is_below || examples.len() == 2, "{verb} has no examples");
             for example in examples {
                 assert!(example == verb || example.starts_with(&format!("{verb} ")));
                 let words = ["protomer"].into_iter().chain(example.split(' '));

@@ -21,6 +21,7 @@ mod command;
 mod flags;
 mod front;
 mod global;
+#[macro_use]
 mod help;
 mod host;
 mod numbers;

@@ -2,13 +2,9 @@
 
 use clap::Args;
 
-/// A hard body.
+/// The rounding of a shape.
 #[derive(Debug, Args)]
-pub struct HardBodyArgs {
-    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several joined
-    /// by + are the convex pieces of one body.
-    #[arg(long, value_name = "FILE")]
-    pub shape: String,
+pub struct RoundingArgs {
     /// Radius of the ball, or disk, that rounds it (Minkowski sum).
     #[arg(
         long,
@@ -17,6 +13,17 @@ pub struct HardBodyArgs {
         allow_negative_numbers = true
     )]
     pub rounding: f64,
+}
+
+/// A hard body.
+#[derive(Debug, Args)]
+pub struct HardBodyArgs {
+    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several joined
+    /// by + are the convex pieces of one body.
+    #[arg(long, value_name = "FILE")]
+    pub shape: String,
+    #[command(flatten)]
+    pub rounding: RoundingArgs,
 }
 
 /// Conditions of free volumes: all pairs of a packing fraction and a radius.

@@ -1,8 +1,34 @@
-//! The scheduler flag, shared by verbs that can be distributed over machines. It is
-//! handled by the Python package.
+//! Flags of verbs that can be distributed over machines. The scheduler is handled by the Python package.
 
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_results::Shard;
+
+/// The part of the work that this process does.
+#[derive(Debug, Clone, Args)]
+pub struct PartArgs {
+    /// Do only a part of the work, such as 2/8, alongside other processes in the same directory; the command
+    /// without this flag collects the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
+}
+
+impl PartArgs {
+    /// Refuses an address, as [`SchedulerArgs::check`].
+    ///
+    /// # Errors
+    /// If an address is given.
+    pub fn check(&self) -> Result<()> {
+        self.scheduler.check()
+    }
+
+    /// The part; `None` for the whole.
+    pub fn shard(&self) -> Option<Shard> {
+        (!self.shard.is_whole()).then_some(self.shard)
+    }
+}
 
 /// The scheduler of distributed work.
 #[derive(Debug, Clone, Args)]

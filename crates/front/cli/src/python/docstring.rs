@@ -46,7 +46,7 @@ pub fn docstring(
         section("Returns", [(result, fields)]),
         section("Raises", raises(path, parameters)),
     ];
-    let examples: Vec<String> = examples_of(&path.join(" "))
+    let examples: Vec<String> = examples_of(command)
         .iter()
         .filter_map(|words| python_call(command, path, words))
         .map(|call| format!(">>> {call}  # doctest: +SKIP"))

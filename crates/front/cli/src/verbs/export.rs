@@ -15,6 +15,10 @@ use std::path::PathBuf;
 /// bodies, and a script for a viewer. Chains get new identifiers; a table in the file says which
 /// copy and chain each was. An output that ends in .gsd is a trajectory in another version of its schema.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "export ring.json -o ring.cif --script chimerax",
+    "export stability --salt 300mM --frame last -o end.pdb"
+))]
 pub struct ExportArgs {
     /// Assembly file, body file, or directory of a simulation or a sweep; for a trajectory also a .gsd
     /// file and the directory of any other run.

@@ -21,6 +21,10 @@ use std::path::PathBuf;
 /// the shape and an integral of one over all orientations. The excess is what it is more than that of an
 /// ideal gas of the same density, ln ρ - 1.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "free-energy --shape cube --crystal simple-cubic --bodies 64 --packing-fraction 0.6 -o cubes",
+    "free-energy --shape rod:1 --crystal row --bodies 32 --packing-fraction 0.5 -o rods"
+))]
 pub struct FreeEnergyArgs {
     #[command(flatten)]
     body: HardBodyArgs,
@@ -55,7 +59,7 @@ impl FreeEnergyArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let settings = FreeEnergySettings {
             shape: self.body.shape.clone(),
-            rounding_radius: self.body.rounding,
+            rounding_radius: self.body.rounding.rounding,
             crystal: self.crystal.clone(),
             turn: self.turn.clone(),
             bodies: self.bodies,

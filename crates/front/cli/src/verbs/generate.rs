@@ -11,6 +11,7 @@ use std::path::PathBuf;
 
 /// Print shell completions on stdout.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!("completions bash", "completions zsh"))]
 pub struct CompletionsArgs {
     /// The shell.
     shell: clap_complete::Shell,
@@ -18,6 +19,7 @@ pub struct CompletionsArgs {
 
 /// Write the man pages, one per verb, into a folder.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!("man", "man -o ~/.local/share/man/man1"))]
 pub struct ManArgs {
     /// Folder for the pages.
     #[arg(short, long, default_value = "man")]
@@ -25,7 +27,7 @@ pub struct ManArgs {
 }
 
 impl CompletionsArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, _: &Front) -> Result<Reply> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut syntax(), "protomer", &mut script);
         let script = String::from_utf8(script)?;

@@ -28,82 +28,85 @@ use clap::Subcommand;
 
 pub use frameworks::explain_usage;
 
-/// A verb with its flags.
-#[derive(Debug, Subcommand)]
-pub enum Verb {
-    Ingest(bodies::ingest::IngestArgs),
-    Fetch(bodies::fetch::FetchArgs),
-    Surface(bodies::surface::SurfaceArgs),
-    Potential(potential::PotentialArgs),
-    Titrate(titrate::TitrateArgs),
-    Shape(shape::ShapeArgs),
-    Md(md::MdArgs),
-    Hpmc(hpmc::HpmcArgs),
-    FreeEnergy(free_energy::FreeEnergyArgs),
-    PhaseDiagram(phase_diagram::PhaseDiagramArgs),
-    Body(bodies::body::BodyArgs),
-    Assemble(assemblies::assemble::AssembleArgs),
-    Candidates(assemblies::candidates::CandidatesArgs),
-    Compare(stability::compare::CompareArgs),
-    Framework(frameworks::FrameworkArgs),
-    Inspect(stability::inspect::InspectArgs),
-    Binding(Box<stability::binding::BindingArgs>),
-    Score(Box<stability::score::ScoreArgs>),
-    Pair(Box<stability::pair::PairArgs>),
-    Stability(Box<stability::equilibrium::StabilityArgs>),
-    Simulate(stability::simulate::SimulateArgs),
-    Sweep(stability::sweep::SweepArgs),
-    Residues(stability::residues::ResiduesArgs),
-    Reweight(stability::reweight::ReweightArgs),
-    Lattice(lattice::LatticeArgs),
-    Report(report::ReportArgs),
-    Export(export::ExportArgs),
-    Scattering(scattering::ScatteringArgs),
-    #[cfg(feature = "learning")]
-    #[command(flatten)]
-    Learning(learning::LearningVerb),
-    Bench(stability::bench::BenchArgs),
-    Completions(generate::CompletionsArgs),
-    Man(generate::ManArgs),
+/// Declares the verbs in groups, in the order of the help.
+macro_rules! verbs {
+    ($($group:literal { $($(#[cfg($feature:meta)])? $verb:ident($flags:ty),)* })*) => {
+        /// A verb with its flags.
+        #[derive(Debug, Subcommand)]
+        pub enum Verb {
+            $($($(#[cfg($feature)])? $verb($flags),)*)*
+        }
+
+        impl Verb {
+            /// Runs the verb.
+            pub fn run(&self, front: &Front) -> Result<Reply> {
+                match self {
+                    $($($(#[cfg($feature)])? Self::$verb(flags) => flags.run(front),)*)*
+                }
+            }
+        }
+
+        /// Groups of verbs by the names of their variants, also of those that this build does not have.
+        pub const GROUPS: &[(&str, &[&str])] = &[$(($group, &[$(stringify!($verb)),*])),*];
+    };
 }
 
-impl Verb {
-    /// Runs the verb.
-    pub fn run(&self, front: &Front) -> Result<Reply> {
-        match self {
-            Verb::Ingest(args) => args.run(front),
-            Verb::Fetch(args) => args.run(front),
-            Verb::Surface(args) => args.run(front),
-            Verb::Potential(args) => args.run(front),
-            Verb::Titrate(args) => args.run(front),
-            Verb::Shape(args) => args.run(front),
-            Verb::Md(args) => args.run(front),
-            Verb::Hpmc(args) => args.run(front),
-            Verb::FreeEnergy(args) => args.run(front),
-            Verb::PhaseDiagram(args) => args.run(front),
-            Verb::Body(args) => args.run(front),
-            Verb::Assemble(args) => args.run(front),
-            Verb::Candidates(args) => args.run(front),
-            Verb::Compare(args) => args.run(front),
-            Verb::Framework(args) => args.run(front),
-            Verb::Inspect(args) => args.run(front),
-            Verb::Binding(args) => args.run(front),
-            Verb::Score(args) => args.run(front),
-            Verb::Pair(args) => args.run(front),
-            Verb::Stability(args) => args.run(front),
-            Verb::Simulate(args) => args.run(front),
-            Verb::Sweep(args) => args.run(front),
-            Verb::Residues(args) => args.run(front),
-            Verb::Reweight(args) => args.run(front),
-            Verb::Lattice(args) => args.run(front),
-            Verb::Report(args) => args.run(front),
-            Verb::Export(args) => args.run(front),
-            Verb::Scattering(args) => args.run(front),
-            #[cfg(feature = "learning")]
-            Verb::Learning(verb) => verb.run(front),
-            Verb::Bench(args) => args.run(front),
-            Verb::Completions(args) => args.run(),
-            Verb::Man(args) => args.run(front),
-        }
+verbs! {
+    "Structures" {
+        Fetch(bodies::fetch::FetchArgs),
+        Ingest(bodies::ingest::IngestArgs),
+        Surface(bodies::surface::SurfaceArgs),
+        Body(bodies::body::BodyArgs),
+    }
+    "Assemblies" {
+        Assemble(assemblies::assemble::AssembleArgs),
+        Candidates(assemblies::candidates::CandidatesArgs),
+        Inspect(stability::inspect::InspectArgs),
+        Export(export::ExportArgs),
+    }
+    "Stability" {
+        Stability(Box<stability::equilibrium::StabilityArgs>),
+        Simulate(stability::simulate::SimulateArgs),
+        Sweep(stability::sweep::SweepArgs),
+        Residues(stability::residues::ResiduesArgs),
+        Reweight(stability::reweight::ReweightArgs),
+        Compare(stability::compare::CompareArgs),
+        Pair(Box<stability::pair::PairArgs>),
+        Binding(Box<stability::binding::BindingArgs>),
+        Score(Box<stability::score::ScoreArgs>),
+        Scattering(scattering::ScatteringArgs),
+    }
+    "Potentials" {
+        Potential(potential::PotentialArgs),
+        Titrate(titrate::TitrateArgs),
+    }
+    "Learning" {
+        #[cfg(feature = "learning")]
+        Voxelize(voxels::voxelize::VoxelizeArgs),
+        #[cfg(feature = "learning")]
+        Merge(voxels::merge::MergeArgs),
+        #[cfg(feature = "learning")]
+        Train(Box<learning::train::TrainArgs>),
+        #[cfg(feature = "learning")]
+        Tune(Box<learning::tune::TuneArgs>),
+        #[cfg(feature = "learning")]
+        Predict(learning::predict::PredictArgs),
+    }
+    "Lattices" {
+        Lattice(lattice::LatticeArgs),
+        Framework(frameworks::FrameworkArgs),
+    }
+    "Hard shapes" {
+        Shape(shape::ShapeArgs),
+        Hpmc(hpmc::HpmcArgs),
+        FreeEnergy(free_energy::FreeEnergyArgs),
+        Md(md::MdArgs),
+        PhaseDiagram(phase_diagram::PhaseDiagramArgs),
+    }
+    "Tools" {
+        Report(report::ReportArgs),
+        Bench(stability::bench::BenchArgs),
+        Completions(generate::CompletionsArgs),
+        Man(generate::ManArgs),
     }
 }

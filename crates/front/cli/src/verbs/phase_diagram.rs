@@ -22,6 +22,10 @@ use std::path::PathBuf;
 /// are in the units of the tables.
 #[derive(Debug, Args)]
 #[command(arg_required_else_help = true)]
+#[command(after_long_help = examples!(
+    "phase-diagram --size-ratio 0.5 --reservoir 0.4,0.5,0.6",
+    "phase-diagram --branch fluid.txt --branch solid.txt"
+))]
 pub struct PhaseDiagramArgs {
     /// Radius of the depletants over that of the spheres; several with commas between them.
     #[arg(

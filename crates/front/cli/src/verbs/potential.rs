@@ -15,6 +15,10 @@ use std::path::PathBuf;
 /// Solve the Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and
 /// solvation energy.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "potential 5pti.cif.gz --salt 100mM -o bpti.mrc",
+    "potential a.body --salt 0.15M --points points.txt --json"
+))]
 pub struct PotentialArgs {
     /// Structure, PQR or body file, optionally gzipped.
     input: PathBuf,

@@ -10,6 +10,10 @@ use std::path::PathBuf;
 /// Make a self-contained HTML page of a directory of results: figures with their numbers,
 /// rotatable bodies, animated lattices. The page loads nothing.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "report stability",
+    "report coherent -o coherent.html --force"
+))]
 pub struct ReportArgs {
     /// Directory of a simulation, a sweep, a lattice run or sweep, a framework, a training or a
     /// search; or a set of voxels.

@@ -12,6 +12,10 @@ use std::path::PathBuf;
 /// cluster sizes, hydrodynamic radii as dynamic light scattering averages them, S(q) of the
 /// centres, P(q) of the bodies and I(q) of the whole.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "scattering stability -o scattering",
+    "scattering ring.json --q-max 0.2 --json"
+))]
 pub struct ScatteringArgs {
     /// Assembly file, or directory of a simulation or a sweep.
     input: PathBuf,

@@ -15,6 +15,10 @@ use std::path::PathBuf;
 /// Compute the pKa values of a structure with the Poisson-Boltzmann equation: what shifts them, the
 /// net charge against pH, the isoelectric point.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "titrate 5pti.cif.gz --ph 7 --salt 100mM",
+    "titrate 5pti.cif.gz --ph 2..12 --salt 100mM -o titration"
+))]
 pub struct TitrateArgs {
     /// Structure file (PDB or mmCIF), optionally gzipped.
     input: PathBuf,

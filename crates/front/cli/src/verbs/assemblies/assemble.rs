@@ -21,6 +21,10 @@ use std::path::PathBuf;
 /// Build assemblies: from the chains of a structure, as a ring or a stack of two rings, or at
 /// random.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "assemble structure 1brs.cif.gz --chain A,D --relax -o complex",
+    "assemble ring a.body b.body --members 4 --box 320 -o ring.json"
+))]
 pub struct AssembleArgs {
     #[command(subcommand)]
     from: From,
@@ -36,6 +40,10 @@ enum From {
 /// Decompose a structure: each chain becomes a body, or each of several files in one frame; identical
 /// ones become one body, and each copy a pose.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "assemble structure receptor.pdb ligand.pdb --box 300 -o complex",
+    "assemble structure 6mdr.cif.gz --assembly 1 --box 400 -o stack"
+))]
 pub struct StructureArgs {
     /// Structure file, or several in one frame, such as a receptor and its ligand.
     #[arg(required = true)]
@@ -65,6 +73,10 @@ pub struct StructureArgs {
 
 /// A ring of bodies, or a stack of two rings, closed to contact. Bodies alternate around the ring.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "assemble ring a.body b.body --members 4 --box 320 -o ring.json",
+    "assemble ring a.body b.body --members 8 --stack 2 --directions ud -o stack.json"
+))]
 pub struct RingArgs {
     /// Body files, in the order in which they alternate.
     #[arg(required = true)]
@@ -97,6 +109,10 @@ pub struct RingArgs {
 
 /// Bodies at random positions and orientations in a periodic box, without overlaps.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "assemble fluid a.body b.body --counts 8,8 --box 500 -o fluid.json",
+    "assemble fluid a.body --counts 20 --box 400 --seed 7 -o fluid.json"
+))]
 pub struct FluidArgs {
     /// Body files.
     #[arg(required = true)]

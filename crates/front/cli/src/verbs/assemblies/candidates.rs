@@ -39,6 +39,10 @@ const MOST_POINTS: usize = 10_000_000;
 /// rings, up to the symmetry of the stack, and write each as an assembly closed to contact; or search
 /// their tilts and spins, or cages of a cubic group, for low energies.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "candidates a.body b.body --ring 8 --stack 2",
+    "candidates a.body b.body --ring 4 --stack 2 --box 320 -o candidates"
+))]
 pub struct CandidatesArgs {
     /// Body files, in the order in which they alternate.
     #[arg(required = true)]

@@ -10,6 +10,10 @@ use std::path::PathBuf;
 /// Make a body from a mesh (PLY, OFF, OBJ, STL) and charges (PQR, or whitespace-separated x y z
 /// charge). Coordinates are kept: the body's origin is that of the files.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "body --mesh patchy.ply --charges patchy.xyzq -o patchy.body",
+    "body --mesh cube.off -o cube.body"
+))]
 pub struct BodyArgs {
     /// Closed, outward mesh, Å.
     #[arg(long)]

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 /// Download entries (mmCIF, gzipped) from the RCSB Protein Data Bank. Nothing else in protomer uses
 /// the network.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!("fetch 6MDR -o structures", "fetch 5PTI 1BRS"))]
 pub struct FetchArgs {
     /// Entries, such as 6MDR.
     #[arg(required = true)]

@@ -17,6 +17,10 @@ use std::path::PathBuf;
 /// Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges,
 /// hydropathy.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "ingest 5pti.cif.gz -o bodies",
+    "ingest 5pti.cif.gz -o bodies --name plus --ph 7 --mutate A:D3K,A:E7K"
+))]
 pub struct IngestArgs {
     /// Structure files, folders that contain them, or lists of them (NAME.txt, one file a line).
     #[arg(required = true)]

@@ -11,6 +11,10 @@ use std::path::PathBuf;
 /// Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z
 /// radius per line): mesh, exact area and volume. Cavities are kept by default.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "surface 5pti.cif.gz -o bpti.ply",
+    "surface spheres.xyzr --probe 1.4 --density 4 --json"
+))]
 pub struct SurfaceArgs {
     /// Structure, PQR, body or .xyzr file, optionally gzipped.
     input: PathBuf,

@@ -56,6 +56,10 @@ const MOST_NODES: usize = 1_000_000;
     subcommand_value_name = "BUILDER",
     subcommand_help_heading = "Commands"
 )]
+#[command(after_long_help = examples!(
+    "framework honeycomb --theta 60 --kh 50 --ks 10000",
+    "framework net.toml --load y --stress 1GPa,2GPa -o pulled"
+))]
 pub struct FrameworkArgs {
     #[command(subcommand)]
     builder: Option<Builder>,

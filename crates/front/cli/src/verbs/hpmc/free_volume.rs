@@ -1,6 +1,6 @@
 //! `protomer hpmc free-volume`: free volumes of crystals that do not move.
 
-use crate::flags::hard_body::FreeVolumeGridArgs;
+use crate::flags::hard_body::{FreeVolumeGridArgs, RoundingArgs};
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
@@ -19,14 +19,8 @@ pub struct FreeVolumeArgs {
     /// File with points, or the name of a shape, as for `shape`.
     #[arg(long, value_name = "FILE")]
     shape: String,
-    /// Radius of the ball that rounds it (Minkowski sum).
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "RADIUS",
-        allow_negative_numbers = true
-    )]
-    rounding: f64,
+    #[command(flatten)]
+    rounding: RoundingArgs,
     #[arg(long, help = format!("Name of the crystal ({}), or the file of its unit cell", names_of_crystals(&[3])))]
     crystal: String,
     /// Turn every body first: a quaternion W,X,Y,Z.
@@ -44,7 +38,7 @@ impl FreeVolumeArgs {
         Ok(Reply::data(static_free_volumes(
             &StaticFreeVolumeSettings {
                 shape: self.shape.clone(),
-                rounding_radius: self.rounding,
+                rounding_radius: self.rounding.rounding,
                 crystal: self.crystal.clone(),
                 turn: self.turn.clone(),
                 packing_fractions: self.grid.packing_fraction.clone(),

@@ -13,6 +13,10 @@ use clap::{Args, Subcommand};
 /// Hard convex bodies in a periodic box, with penetrable depletants.
 #[derive(Debug, Args)]
 #[command(arg_required_else_help = true)]
+#[command(after_long_help = examples!(
+    "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
+    "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted"
+))]
 pub struct HpmcArgs {
     #[command(subcommand)]
     verb: HpmcVerb,

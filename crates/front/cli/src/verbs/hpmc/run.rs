@@ -17,6 +17,10 @@ use std::path::PathBuf;
 /// are tuned; then the pressure is measured by trial compressions, the free volume of the depletants by
 /// random points, and the chemical potential by insertion.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
+    "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted"
+))]
 pub struct RunArgs {
     #[command(flatten)]
     system: SystemArgs,

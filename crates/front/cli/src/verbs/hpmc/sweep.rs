@@ -2,12 +2,12 @@
 
 use super::system::{BoxArgs, SystemArgs, freedom};
 use crate::flags::execution::ExecutionArgs;
-use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::scheduler::PartArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
-use protomer_results::{End, Shard};
+use protomer_results::End;
 use protomer_shape_verbs::hard_bodies::settings::HardBodySettings;
 use protomer_shape_verbs::hard_bodies::sweep::{HardBodySweepSettings, run_shard, run_sweep};
 use std::path::PathBuf;
@@ -61,12 +61,8 @@ pub struct SweepArgs {
     /// Runs at each condition: seeds 1, 2, ...
     #[arg(long, default_value_t = 1)]
     seeds: u64,
-    /// Run only a part of the runs, such as 2/8, alongside other processes in the same directory;
-    /// the command without this flag collects the parts.
-    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
-    shard: Shard,
     #[command(flatten)]
-    scheduler: SchedulerArgs,
+    part: PartArgs,
     /// Directory of the results.
     #[arg(short, long)]
     output: PathBuf,
@@ -76,12 +72,12 @@ pub struct SweepArgs {
 
 impl SweepArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        self.scheduler.check()?;
+        self.part.check()?;
         let settings = self.settings()?;
         let execution = self.execution.execution(front)?;
-        if !self.shard.is_whole() {
-            let end = run_shard(&settings, &self.output, self.shard, &execution)?;
-            return Ok(Reply::of_part(end, self.shard, ["run", "runs"]));
+        if let Some(shard) = self.part.shard() {
+            let end = run_shard(&settings, &self.output, shard, &execution)?;
+            return Ok(Reply::of_part(end, shard, ["run", "runs"]));
         }
         let directory = self.output.display();
         Ok(match run_sweep(&settings, &self.output, &execution)? {

@@ -9,6 +9,10 @@ use std::path::PathBuf;
 
 /// Make a self-contained HTML page that plays a run in any browser.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "lattice animate coherent",
+    "lattice animate coherent -o coherent.html --frames frames"
+))]
 pub struct AnimateArgs {
     /// Directory of a run.
     directory: PathBuf,

@@ -10,6 +10,10 @@ use std::path::PathBuf;
 /// The maximal Lyapunov exponent of a run from the time series of a column of its log, as Rosenstein or
 /// as Kantz estimate it.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "lattice divergence chaos --column checkerboard",
+    "lattice divergence chaos --radius 0.1 --fit-to 8"
+))]
 pub struct DivergenceArgs {
     /// Directory of a run.
     directory: PathBuf,

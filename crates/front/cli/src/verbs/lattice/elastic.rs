@@ -9,6 +9,10 @@ use std::path::PathBuf;
 /// Compliances and Poisson's ratio of runs in a heat bath: from the fluctuations of the strain in each
 /// run, and from the response of runs that differ in their stress.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "lattice elastic pulled pushed",
+    "lattice elastic warm --discard 0.2 --blocks 10"
+))]
 pub struct ElasticArgs {
     /// Directories of runs.
     #[arg(required = true)]

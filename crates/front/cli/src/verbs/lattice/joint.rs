@@ -27,6 +27,10 @@ protomer_kernel::choices! {
 /// The potential of mean force of two copies of a body that a rod ties at their corners, against the
 /// angle between them: a table for --angle-potential.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "lattice joint bodies/square.body --salt 100mM --rod 8A -o joint.csv",
+    "lattice joint bodies/square.body --salt 20mM --rod 8A --turned-over"
+))]
 pub struct JointArgs {
     /// Body file.
     body: PathBuf,

@@ -20,6 +20,10 @@ use std::path::PathBuf;
 /// Two-dimensional crystals of rigid squares whose corners are joined by rigid rods.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
+#[command(after_long_help = examples!(
+    "lattice run --ns 10 --r0 0.05 --time 3 -o coherent",
+    "lattice --from bodies/square.body"
+))]
 pub struct LatticeArgs {
     /// The square that stands for this body, as `square` prints it.
     #[arg(long, value_name = "BODY")]

@@ -82,6 +82,10 @@ impl DirectoryArgs {
 
 /// Run one lattice. The same command continues it.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "lattice run --ns 10 --r0 0.05 --time 3 -o coherent",
+    "lattice run square.toml --time 10 -o rhua"
+))]
 pub struct RunArgs {
     #[command(flatten)]
     directory: DirectoryArgs,

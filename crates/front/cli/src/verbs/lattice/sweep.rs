@@ -2,18 +2,22 @@
 
 use super::run::{DirectoryArgs, LatticeFlags};
 use crate::flags::override_with;
-use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::scheduler::PartArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer_linkage_verbs::lattice::settings::LatticeSettings;
 use protomer_linkage_verbs::lattice::sweep::{axes, run_shard, run_sweep, tasks};
-use protomer_results::{End, Shard};
+use protomer_results::End;
 
 /// Run lattices of several rod lengths and κ, once per seed, on all threads, with tables and
 /// figures. The same command continues a sweep that was stopped.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "lattice sweep --ns 4 --r0-list 0.05,0.5,1 --kappa-list 0,10 --seeds 3 -o sweep",
+    "lattice sweep --ns 2 --r0-list 0.25,0.5 --seeds 2 --lyapunov -o chaos"
+))]
 pub struct SweepArgs {
     #[command(flatten)]
     directory: DirectoryArgs,
@@ -32,12 +36,8 @@ pub struct SweepArgs {
     /// Intervals over which the exponent is averaged [default: 200].
     #[arg(long, requires = "lyapunov")]
     lyapunov_intervals: Option<usize>,
-    /// Run only a part of the runs, such as 2/8, alongside other processes in the same directory;
-    /// the command without this flag collects the parts.
-    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
-    shard: Shard,
     #[command(flatten)]
-    scheduler: SchedulerArgs,
+    part: PartArgs,
     /// Phases are locked while all their differences are below this angle, rad [default: 0.5].
     #[arg(long, allow_negative_numbers = true)]
     locked_within: Option<f64>,
@@ -50,7 +50,7 @@ const MOST_SEEDS: u64 = 10_000;
 
 impl SweepArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        self.scheduler.check()?;
+        self.part.check()?;
         let settings = self.settings()?;
         let directory = &self.directory.output;
         let conditions = axes(&settings);
@@ -64,9 +64,9 @@ impl SweepArgs {
             tasks(&settings, directory)?.len()
         ));
         let execution = self.directory.execution(front)?;
-        if !self.shard.is_whole() {
-            let end = run_shard(&settings, directory, self.shard, &execution)?;
-            return Ok(Reply::of_part(end, self.shard, ["run", "runs"]));
+        if let Some(shard) = self.part.shard() {
+            let end = run_shard(&settings, directory, shard, &execution)?;
+            return Ok(Reply::of_part(end, shard, ["run", "runs"]));
         }
         let end = run_sweep(&settings, directory, &execution)?;
         let directory = directory.display();

@@ -5,35 +5,6 @@
 //! without `--no-default-features`).
 
 mod labels;
-mod predict;
-mod train;
-mod tune;
-
-use super::voxels;
-use crate::front::Front;
-use crate::reply::Reply;
-use anyhow::Result;
-use clap::Subcommand;
-
-/// A verb of learning with its flags.
-#[derive(Debug, Subcommand)]
-pub enum LearningVerb {
-    Train(Box<train::TrainArgs>),
-    Predict(predict::PredictArgs),
-    Tune(Box<tune::TuneArgs>),
-    Voxelize(voxels::voxelize::VoxelizeArgs),
-    Merge(voxels::merge::MergeArgs),
-}
-
-impl LearningVerb {
-    /// Runs the verb.
-    pub fn run(&self, front: &Front) -> Result<Reply> {
-        match self {
-            Self::Train(args) => args.run(front),
-            Self::Predict(args) => args.run(front),
-            Self::Tune(args) => args.run(front),
-            Self::Voxelize(args) => args.run(front),
-            Self::Merge(args) => args.run(front),
-        }
-    }
-}
+pub mod predict;
+pub mod train;
+pub mod tune;

@@ -16,6 +16,10 @@ use std::path::PathBuf;
 /// Apply a network trained by 'protomer train' to every sample of a set of voxels: class,
 /// probabilities, and scores where the labels are known.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "predict run new.zarr -o predictions.csv",
+    "predict run new.zarr --json"
+))]
 pub struct PredictArgs {
     /// Directory of a finished training.
     run: PathBuf,

@@ -209,6 +209,10 @@ impl NetworkArgs {
 
 /// Train a network on a set of voxels, or on a control. The same command continues it.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "train set.zarr --target crystal-system --epochs 40 -o run",
+    "train --control charge --short -o charge"
+))]
 pub struct TrainArgs {
     /// Set of voxels (zarr), made by 'protomer voxelize'.
     #[arg(required_unless_present = "control", conflicts_with = "control")]

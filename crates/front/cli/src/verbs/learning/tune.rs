@@ -21,6 +21,10 @@ use std::path::PathBuf;
 /// Search for the network that predicts best: blocks, kernels, channels, learning rate. The same
 /// command continues it.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "tune set.zarr --target crystal-system --trials 27 -o search",
+    "tune set.zarr --trials 9 --shard 1/4 -o search"
+))]
 pub struct TuneArgs {
     /// Set of voxels (zarr), made by 'protomer voxelize'.
     set: PathBuf,

@@ -20,6 +20,10 @@ use std::path::PathBuf;
 /// Units: epsilon, the length that gives a body area or volume one, density one. The packing fraction
 /// counts bodies with a layer of sigma_c/2.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "md run --shape polygon:4 --packing-fraction 0.6 -o squares",
+    "md run --shape octahedron --bodies 500 --potential smooth --ensemble nvt -o fluid"
+))]
 pub struct RunArgs {
     /// Configuration (TOML), such as the run.toml of another run; flags override it.
     config: Option<PathBuf>,

@@ -5,6 +5,7 @@ mod free_volume;
 mod overlap_volume;
 mod virial;
 
+use crate::flags::hard_body::RoundingArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
@@ -23,17 +24,15 @@ use std::path::PathBuf;
 /// length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
+#[command(after_long_help = examples!(
+    "shape cube --rounding 0.1",
+    "shape corners.txt -o hull.ply"
+))]
 pub struct ShapeArgs {
     /// File with points, or the name of a shape.
     shape: Option<String>,
-    /// Radius of the ball, or disk, that rounds it (Minkowski sum).
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "RADIUS",
-        allow_negative_numbers = true
-    )]
-    rounding: f64,
+    #[command(flatten)]
+    rounding: RoundingArgs,
     /// Mesh file to write, without the rounding: .ply, .obj, .off or .stl.
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -58,7 +57,7 @@ impl ShapeArgs {
             (Some(ShapeVerb::FreeVolume(args)), _) => args.run(),
             (None, Some(shape)) => {
                 let output = self.output.as_deref();
-                let report = measure_shape(shape, self.rounding, output, front.force())?;
+                let report = measure_shape(shape, self.rounding.rounding, output, front.force())?;
                 Ok(Reply::data(report))
             }
             (None, None) => {

@@ -13,6 +13,10 @@ use protomer_shape_verbs::shapes::virial::{VirialSettings, virial_coefficients};
 /// Shapes are those of `shape`. A concave body is given by its convex pieces, joined by + as for `hpmc`; its
 /// coefficients are sampled with --triples.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "shape virial cube tetrahedron",
+    "shape virial cube --triples 100000 --depletants 0.1:5"
+))]
 pub struct VirialArgs {
     /// File or name of a shape.
     first: String,

@@ -33,6 +33,10 @@ const MOST_CHARGES: usize = 50_000;
 /// energy mode's rate against the number of charges, of the parts of a move, of the cost against
 /// the number of bodies, and of replicas on several threads. That takes a few minutes.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "bench ring.json --salt 300mM --moves 2000",
+    "bench --part charges --charges 500"
+))]
 pub struct BenchArgs {
     /// Assembly file; left out, the program makes its own states.
     assembly: Option<PathBuf>,

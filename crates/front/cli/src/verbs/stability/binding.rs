@@ -21,6 +21,10 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 // `--model` names what acts between the bodies here.
 #[command(mut_arg(SelectionArgs::MODEL, |model| model.long("structure-model").value_name("NUMBER")))]
+#[command(after_long_help = examples!(
+    "binding receptor.pdb ligand.pdb --salt 50mM,150mM,500mM",
+    "binding complex.cif.gz --body H,L --body A --salt 150mM,50mM --ph 6,7.4 --exchanges"
+))]
 pub struct BindingArgs {
     /// Receptor, or the whole complex: a structure, PQR or body file.
     receptor: PathBuf,

@@ -9,6 +9,10 @@ use std::path::PathBuf;
 
 /// Draw several finished sweeps in one figure; the legend names the directories.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "compare spin_0 spin_90 -o spins.svg",
+    "compare stability --title Ring -o ring.png"
+))]
 pub struct CompareArgs {
     /// Sweep directories.
     #[arg(required = true)]

@@ -3,7 +3,7 @@
 use crate::flags::body::{ChainGroupArgs, ProtonationArgs, SelectionArgs};
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::model::ModelArgs;
-use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::scheduler::PartArgs;
 use crate::flags::settings::choice;
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::ContactArgs;
@@ -22,7 +22,7 @@ use protomer_protein_verbs::stability::equilibrium::{
 };
 use protomer_protein_verbs::stability::interaction::InteractionSettings;
 use protomer_protein_verbs::stability::model::Model;
-use protomer_results::{End, Execution, Shard};
+use protomer_results::{End, Execution};
 use std::path::{Path, PathBuf};
 
 /// Say how much of an assembly there is at equilibrium, up to which salt: yields of the whole and of its
@@ -31,6 +31,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 // `--model` names what acts between the bodies here.
 #[command(mut_arg(SelectionArgs::MODEL, |model| model.long("structure-model").value_name("NUMBER")))]
+#[command(after_long_help = examples!(
+    "stability 4hhb.cif.gz --salt 50mM,150mM,500mM --concentration 1uM",
+    "stability 6mdr/assembly.json --salt 50mM..1M/6 --concentration 100nM,1uM -o yields"
+))]
+#[command(mut_arg("shard", |shard| shard.requires("output")))]
 pub struct StabilityArgs {
     /// Assembly file, structure file, or several structure files in one frame; each chain of a structure is a
     /// body.
@@ -87,23 +92,19 @@ pub struct StabilityArgs {
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Compute only a part of the conditions, such as 2/8, alongside other processes in the same
-    /// directory; the command without this flag collects the parts.
-    #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "output")]
-    shard: Shard,
+    #[command(flatten)]
+    part: PartArgs,
     #[command(flatten)]
     selection: SelectionArgs,
     #[command(flatten)]
     execution: ExecutionArgs,
     #[command(flatten)]
     tables: TablesArgs,
-    #[command(flatten)]
-    scheduler: SchedulerArgs,
 }
 
 impl StabilityArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        self.scheduler.check()?;
+        self.part.check()?;
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let execution = self.execution.execution(front)?;
@@ -141,8 +142,7 @@ impl StabilityArgs {
     ) -> Result<Reply> {
         let tables = &self.tables;
         let prepare = |assembly: Assembly| tables.engine(assembly, front);
-        if !self.shard.is_whole() {
-            let shard = self.shard;
+        if let Some(shard) = self.part.shard() {
             let end = run_stability_shard(bodies, settings, &prepare, directory, shard, execution)?;
             return Ok(Reply::of_part(end, shard, ["condition", "conditions"]));
         }

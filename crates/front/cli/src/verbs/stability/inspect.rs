@@ -20,6 +20,10 @@ use std::path::PathBuf;
 
 /// Inspect an assembly: overlaps, pair energies, radius of gyration.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "inspect ring.json",
+    "inspect ring.json --salt 100mM --interaction effective"
+))]
 pub struct InspectArgs {
     /// Assembly file.
     assembly: PathBuf,

@@ -5,7 +5,7 @@ use crate::flags::cache::CacheArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::MediumArgs;
 use crate::flags::model::ModelArgs;
-use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::scheduler::PartArgs;
 use crate::flags::settings::choice;
 use crate::flags::solute::SoluteArgs;
 use crate::flags::terms::TermsArgs;
@@ -23,7 +23,7 @@ use protomer_protein_verbs::stability::model::Model;
 use protomer_protein_verbs::stability::pair::{
     Energies, PairBodies, PairRunSettings, refuse_other_settings, run_pair, run_pair_shard,
 };
-use protomer_results::{End, Execution, Shard};
+use protomer_results::{End, Execution};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -31,6 +31,11 @@ use std::path::{Path, PathBuf};
 /// potential of mean force, dissociation constant, bound poses. The same command continues work
 /// that was stopped.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "pair 4lzt.pdb.gz --salt 100mM,300mM --ph 4.5 --interaction effective -o lysozyme",
+    "pair a.body b.body --salt 10mM..1M/8 -o association"
+))]
+#[command(mut_arg("shard", |shard| shard.requires("output")))]
 pub struct PairArgs {
     /// A body or a structure file.
     first: PathBuf,
@@ -67,10 +72,8 @@ pub struct PairArgs {
     /// Bodies whose surfaces are closer than this are bound, Å.
     #[arg(long, default_value_t = DEFAULT_CONTACT_GAP_ANGSTROM, value_parser = range::CONTACT_GAP.number())]
     contact_gap: f64,
-    /// Compute only a part of the conditions, such as 2/8, alongside other processes in the same
-    /// directory; the command without this flag collects the parts.
-    #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "output")]
-    shard: Shard,
+    #[command(flatten)]
+    part: PartArgs,
     /// Hard cores of the bodies: their surfaces, or the cores of the beads of the contact term.
     #[arg(long, value_parser = choice::<CoreChoice>(), default_value = "surface")]
     core: CoreChoice,
@@ -84,8 +87,6 @@ pub struct PairArgs {
     execution: ExecutionArgs,
     #[command(flatten)]
     cache: CacheArgs,
-    #[command(flatten)]
-    scheduler: SchedulerArgs,
 }
 
 protomer_kernel::choices! {
@@ -100,7 +101,7 @@ protomer_kernel::choices! {
 
 impl PairArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        self.scheduler.check()?;
+        self.part.check()?;
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let execution = self.execution.execution(front)?;
@@ -132,9 +133,9 @@ impl PairArgs {
         directory: &Path,
         execution: &Execution,
     ) -> Result<Reply> {
-        if !self.shard.is_whole() {
-            let end = run_pair_shard(bodies, settings, directory, self.shard, execution)?;
-            return Ok(Reply::of_part(end, self.shard, ["condition", "conditions"]));
+        if let Some(shard) = self.part.shard() {
+            let end = run_pair_shard(bodies, settings, directory, shard, execution)?;
+            return Ok(Reply::of_part(end, shard, ["condition", "conditions"]));
         }
         Ok(match run_pair(bodies, settings, directory, execution)? {
             End::Finished(result) => {

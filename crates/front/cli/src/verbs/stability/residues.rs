@@ -22,6 +22,10 @@ use std::path::PathBuf;
 /// the plain charges of the bodies. Where runs from the assembly and from a fluid disagree, only
 /// frames count in which more than half of the contacts are left.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "residues stability --salt 100mM --mutations",
+    "residues ring.json --salt 100mM -o holds --script pymol"
+))]
 pub struct ResiduesArgs {
     /// Directory of a sweep or a simulation, or an assembly file.
     input: PathBuf,

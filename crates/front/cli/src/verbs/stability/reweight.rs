@@ -13,6 +13,10 @@ use std::path::PathBuf;
 /// simulated, with errors, and at other concentrations of bodies by mass action: where half of the
 /// contacts are left.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "reweight stability -o curves",
+    "reweight stability --salt 50mM..200mM/20 --concentration 1uM,100uM"
+))]
 pub struct ReweightArgs {
     /// Directory of a sweep over several salt concentrations.
     input: PathBuf,

@@ -3,7 +3,7 @@
 use crate::flags::body::{ChainGroupArgs, ProtonationArgs, SelectionArgs};
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::model::ModelArgs;
-use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::scheduler::PartArgs;
 use crate::flags::settings::choice;
 use crate::flags::terms::ContactArgs;
 use crate::front::Front;
@@ -18,7 +18,7 @@ use protomer_protein_verbs::stability::model::Model;
 use protomer_protein_verbs::stability::score::{
     Complexes, Measure, ScoreSettings, refuse_other_settings, run_score, run_score_shard,
 };
-use protomer_results::{End, Shard};
+use protomer_results::End;
 use std::path::PathBuf;
 
 /// Score many complexes or designs: a folder or a table of structures in, a table with a row for each out. The
@@ -26,6 +26,10 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 // `--model` names what acts between the bodies here.
 #[command(mut_arg(SelectionArgs::MODEL, |model| model.long("structure-model").value_name("NUMBER")))]
+#[command(after_long_help = examples!(
+    "score designs -o scores --columns energy,area,shape",
+    "score complexes.csv -o scores --columns affinity,kd --salt 50mM,150mM"
+))]
 pub struct ScoreArgs {
     /// Folder of structure files, list of them (NAME.txt, one file a line), or table (NAME.csv) with the columns
     /// name, and file or receptor and ligand; receptor_chains and ligand_chains where a file has more than two
@@ -69,21 +73,17 @@ pub struct ScoreArgs {
     /// End with exit code 1 if some complexes could not be scored.
     #[arg(long)]
     strict: bool,
-    /// Score only a part of the complexes, such as 2/8, alongside other processes in the same directory; the
-    /// command without this flag collects the parts.
-    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
-    shard: Shard,
+    #[command(flatten)]
+    part: PartArgs,
     #[command(flatten)]
     selection: SelectionArgs,
     #[command(flatten)]
     execution: ExecutionArgs,
-    #[command(flatten)]
-    scheduler: SchedulerArgs,
 }
 
 impl ScoreArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        self.scheduler.check()?;
+        self.part.check()?;
         let stated = self.bodies.body.len();
         if stated != 0 && stated != 2 {
             bail!(
@@ -103,9 +103,9 @@ impl ScoreArgs {
             ..settings
         };
         let directory = &self.output;
-        if !self.shard.is_whole() {
-            let end = run_score_shard(&complexes, &settings, directory, self.shard, &execution)?;
-            return Ok(Reply::of_part(end, self.shard, ["complex", "complexes"]));
+        if let Some(shard) = self.part.shard() {
+            let end = run_score_shard(&complexes, &settings, directory, shard, &execution)?;
+            return Ok(Reply::of_part(end, shard, ["complex", "complexes"]));
         }
         match run_score(&complexes, &settings, directory, &execution)? {
             End::Finished(result) => {

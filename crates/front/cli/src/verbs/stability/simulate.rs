@@ -127,6 +127,10 @@ pub fn figure_of(directory: &Path, settings: &RunSettings) -> PathBuf {
 
 /// Run one simulation of an assembly at one salt concentration. The same command continues it.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "simulate ring.json --salt 100mM -o run",
+    "simulate ring.json --salt 0.1M --sweeps 5000 --interaction effective -o run"
+))]
 pub struct SimulateArgs {
     /// Assembly file.
     assembly: PathBuf,

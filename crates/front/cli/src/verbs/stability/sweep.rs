@@ -2,7 +2,7 @@
 
 use super::simulate::{RunArgs, figure_of, late_warnings, say_energies, say_limits};
 use crate::flags::medium::MediumArgs;
-use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::scheduler::PartArgs;
 use crate::flags::settings::{Owner, SettingsArgs};
 use crate::front::Front;
 use crate::reply::Reply;
@@ -14,12 +14,16 @@ use protomer_protein_verbs::stability::run::RunSettings;
 use protomer_protein_verbs::stability::sweep::{
     refuse_other_settings, resolved, run_shard, run_sweep,
 };
-use protomer_results::{End, Shard};
+use protomer_results::End;
 use std::path::PathBuf;
 
 /// Simulate an assembly at several salt concentrations, several replicas each: radius of gyration
 /// and surviving contacts against salt. The same command continues a sweep that was stopped.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "sweep ring.json --salt 10mM..300mM/8 --replicas 4 -o stability",
+    "sweep ring.json --salt 10mM,50mM,250mM --starts both --exchange-every 20 -o equilibrium"
+))]
 pub struct SweepArgs {
     /// Assembly file.
     assembly: PathBuf,
@@ -28,12 +32,8 @@ pub struct SweepArgs {
     salt: Option<String>,
     #[command(flatten)]
     flags: SettingsArgs<RunSettings, Sweep>,
-    /// Run only a part of the simulations, such as 2/8, alongside other processes in the same
-    /// directory; the command without this flag collects the parts.
-    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
-    shard: Shard,
     #[command(flatten)]
-    scheduler: SchedulerArgs,
+    part: PartArgs,
     #[command(flatten)]
     run: RunArgs,
     #[command(flatten)]
@@ -50,7 +50,7 @@ impl Owner for Sweep {
 
 impl SweepArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        self.scheduler.check()?;
+        self.part.check()?;
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let execution = self.run.execution.execution(front)?;
@@ -72,13 +72,9 @@ impl SweepArgs {
         say_limits(front, &engine, &settings)?;
         let settings = resolved(&engine, &settings, directory, &execution)?;
         say_energies(front, &engine, &settings)?;
-        if !self.shard.is_whole() {
-            let end = run_shard(&engine, &settings, directory, self.shard, &execution)?;
-            return Ok(Reply::of_part(
-                end,
-                self.shard,
-                ["simulation", "simulations"],
-            ));
+        if let Some(shard) = self.part.shard() {
+            let end = run_shard(&engine, &settings, directory, shard, &execution)?;
+            return Ok(Reply::of_part(end, shard, ["simulation", "simulations"]));
         }
         Ok(
             match run_sweep(&engine, &settings, directory, &execution)? {

@@ -11,6 +11,10 @@ use std::path::PathBuf;
 /// Merge sets of voxel grids with the same settings; the parts of one manifest give the same set
 /// as a single run.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "merge part1.zarr part2.zarr -o set.zarr",
+    "merge a.zarr b.zarr -o both.zarr --force"
+))]
 pub struct MergeArgs {
     /// Sets to merge.
     #[arg(required = true)]

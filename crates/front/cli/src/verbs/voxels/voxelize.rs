@@ -25,6 +25,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface,
 /// potential, hydropathy.
 #[derive(Debug, Args)]
+#[command(after_long_help = examples!(
+    "voxelize --manifest set.csv -o set.zarr --seed 1",
+    "voxelize --manifest set.csv --shard 1/4 -o part1.zarr"
+))]
 pub struct VoxelizeArgs {
     /// CSV with the columns file, label, cluster and optionally family, name; paths are
     /// relative to its folder.
