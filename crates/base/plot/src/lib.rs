@@ -19,6 +19,8 @@
 //! | `svg`, `pixels` | the two outputs |
 //! | [`heat_map`](HeatMap) | matrices as coloured squares |
 //! | [`colour_map`](ColourMap) | a table of numbers above and below zero as coloured cells |
+//! | [`contour_map`](ContourMap) | lines of equal value in a plane |
+//! | `contours` | lines of equal value through numbers on a grid |
 //! | `source` | a figure stored inside its own SVG, so that it can be drawn again |
 //!
 //! The SVG writer is our own, tiny-skia makes the PNG, and the outlines of one bundled typeface
@@ -32,6 +34,8 @@
 mod axis;
 mod canvas;
 mod colour_map;
+mod contour_map;
+mod contours;
 mod error;
 mod figure;
 mod heat_map;
@@ -47,6 +51,7 @@ mod ticks;
 mod typeface;
 
 pub use colour_map::ColourMap;
+pub use contour_map::{ContourMap, ContourPanel};
 pub use error::{PlotError, Result};
 pub use figure::{Axis, Figure, Panel, Point, Series, Span};
 pub use heat_map::HeatMap;

@@ -1,9 +1,11 @@
 //! The repulsion of pairs of convex shapes, listed in a JSON file.
 
+use super::contact_map::{ContactMap, MapSettings};
 use super::places::{Orientation, for_each_pair, poses};
 use super::read_shape;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
+use protomer_kernel::Pose;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_md::pair::{Interaction, Placed};
 use serde::{Deserialize, Serialize};
@@ -93,15 +95,76 @@ pub fn contacts(path: &Path, interaction: impl Into<Interaction>) -> Result<Cont
     Ok(Contacts(for_each_pair(path, EXAMPLE, one)?))
 }
 
+/// Writes the energy of the pair of a JSON file for a grid of places of its second body into a folder: `energies.csv`,
+/// `contours.svg` and `contours.png`.
+///
+/// # Errors
+/// As [`contacts`]; also for a file with several pairs, and files that exist with other content unless `force` is set.
+///
+/// ```
+/// use protomer_md::pair::Form;
+/// use protomer_shape_verbs::shapes::contact::map_contact;
+/// use protomer_shape_verbs::shapes::contact_map::MapSettings;
+/// # let folder = tempfile::tempdir()?;
+/// let file = folder.path().join("pair.json");
+/// std::fs::write(&file, r#"[{"a": "polygon:4", "b": "polygon:4", "position": [2, 0]}]"#)?;
+/// let settings = MapSettings { points: 21, ..MapSettings::default() };
+/// map_contact(&file, Form::Smooth, &settings, &folder.path().join("map"), false)?;
+/// assert!(folder.path().join("map/energies.csv").exists());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn map_contact(
+    path: &Path,
+    interaction: impl Into<Interaction>,
+    settings: &MapSettings,
+    folder: &Path,
+    force: bool,
+) -> Result<()> {
+    let interaction = interaction.into();
+    let maps = for_each_pair(path, EXAMPLE, |entry: &PairEntry| {
+        let pair = OwnPair::from_entry(entry)?;
+        let names = [entry.a.as_str(), entry.b.as_str()];
+        let title = format!("{} around {}", entry.b, entry.a);
+        Ok((
+            ContactMap::compute(&pair.placed(), interaction, settings, names)?,
+            title,
+        ))
+    })?;
+    let [(map, title)] = maps.as_slice() else {
+        bail!(
+            "{} has {} pairs, and a map is that of one; give a file with one pair",
+            path.display(),
+            maps.len()
+        );
+    };
+    map.write(folder, title, force)
+}
+
+/// Bodies of a pair and their poses.
+struct OwnPair {
+    bodies: [Polytope; 2],
+    poses: [Pose; 2],
+}
+
+impl OwnPair {
+    fn from_entry(entry: &PairEntry) -> Result<Self> {
+        let [a, b] = [&entry.a, &entry.b].map(|name| -> Result<Polytope> {
+            Polytope::from_shape(&read_shape(name)?).with_context(|| name.clone())
+        });
+        let (a, b) = (a?, b?);
+        let orientations = [entry.orientation_a, entry.orientation_b];
+        let poses = poses(&entry.position, orientations, b.dimension)?;
+        let bodies = [a, b];
+        Ok(Self { bodies, poses })
+    }
+
+    fn placed(&self) -> Placed<'_> {
+        Placed::sharp(self.bodies.each_ref(), self.poses.each_ref())
+    }
+}
+
 fn contact(entry: &PairEntry, interaction: Interaction) -> Result<Contact> {
-    let bodies = [&entry.a, &entry.b].map(|name| -> Result<Polytope> {
-        Polytope::from_shape(&read_shape(name)?).with_context(|| name.clone())
-    });
-    let [a, b] = bodies;
-    let (a, b) = (a?, b?);
-    let orientations = [entry.orientation_a, entry.orientation_b];
-    let [first_pose, second_pose] = poses(&entry.position, orientations, b.dimension)?;
-    let forces = Placed::sharp([&a, &b], [&first_pose, &second_pose]).forces(interaction)?;
+    let forces = OwnPair::from_entry(entry)?.placed().forces(interaction)?;
     Ok(Contact {
         energy: forces.energy,
         distance: forces.distance,

@@ -1,6 +1,7 @@
 //! Convex shapes from files and names: what is known of them exactly, and what two of them feel.
 
 pub mod contact;
+pub mod contact_map;
 pub mod free_volume;
 pub mod overlap;
 mod places;

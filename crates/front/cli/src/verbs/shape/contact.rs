@@ -1,14 +1,16 @@
 //! `protomer shape contact`: energies, forces and torques of pairs of convex shapes.
 
 use crate::flags::settings::choice;
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer_common::range;
+use protomer_common::range::{self, Count};
 use protomer_md::pair::central::Central;
 use protomer_md::pair::radial::Attraction;
 use protomer_md::pair::{Form, Interaction};
-use protomer_shape_verbs::shapes::contact::contacts;
+use protomer_shape_verbs::shapes::contact::{contacts, map_contact};
+use protomer_shape_verbs::shapes::contact_map::MapSettings;
 use std::path::PathBuf;
 
 /// Print the repulsion of pairs of convex shapes: energy, force and torques of each pair.
@@ -36,10 +38,26 @@ pub struct ContactArgs {
     /// from 0.8 of that on.
     #[arg(long, default_value_t = 2.5, allow_negative_numbers = true)]
     attraction_cut_off: f64,
+    /// Folder for a map of the energy over places of b, at the height of its position: energies.csv, contours.svg and
+    /// contours.png; for a file with one pair.
+    #[arg(long, value_name = "FOLDER", help_heading = "Map")]
+    map: Option<PathBuf>,
+    /// Largest coordinate of the map; as far as the bodies interact if omitted.
+    #[arg(long, value_name = "LENGTH", requires = "map", allow_negative_numbers = true, value_parser = range::POSITIVE.number(), help_heading = "Map")]
+    map_reach: Option<f64>,
+    /// Points of the map along each axis.
+    #[arg(long, value_name = "NUMBER", requires = "map", default_value_t = 121, value_parser = MAP_POINTS.number::<usize>(), help_heading = "Map")]
+    map_points: usize,
+    /// Energies of the contours, at most seven with commas between them; chosen by the energies found if omitted.
+    #[arg(long, value_name = "ENERGY,…", requires = "map", value_delimiter = ',', allow_hyphen_values = true, value_parser = range::STRENGTH.number(), help_heading = "Map")]
+    map_levels: Vec<f64>,
 }
 
+/// Range of the number of points of a map along each axis.
+const MAP_POINTS: Count = Count::new(5, 1001);
+
 impl ContactArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
         let interaction = Interaction {
             form: self.potential,
             attraction: Attraction {
@@ -48,6 +66,17 @@ impl ContactArgs {
             },
             central: self.central,
         };
-        Ok(Reply::data(contacts(&self.pairs, interaction)?))
+        let reply = Reply::data(contacts(&self.pairs, interaction)?);
+        let Some(folder) = &self.map else {
+            return Ok(reply);
+        };
+        let settings = MapSettings {
+            reach: self.map_reach,
+            points: self.map_points,
+            levels: self.map_levels.clone(),
+        };
+        map_contact(&self.pairs, interaction, &settings, folder, front.force())?;
+        let picture = folder.join("contours.png");
+        Ok(reply.with_note(format!("map: {}", picture.display())))
     }
 }

@@ -51,7 +51,7 @@ enum ShapeVerb {
 impl ShapeArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         match (&self.verb, &self.shape) {
-            (Some(ShapeVerb::Contact(args)), _) => args.run(),
+            (Some(ShapeVerb::Contact(args)), _) => args.run(front),
             (Some(ShapeVerb::OverlapVolume(args)), _) => args.run(),
             (Some(ShapeVerb::Virial(args)), _) => args.run(),
             (Some(ShapeVerb::FreeVolume(args)), _) => args.run(),
