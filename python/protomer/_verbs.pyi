@@ -383,6 +383,8 @@ def simulate(
     bjerrum: float | str | None = None,
     debye: float | str | None = None,
     cutoff: float | str | None = None,
+    state: str | float | Sequence[str | float] | None = None,
+    frame: int | str | None = None,
     config: Path | str | None = None,
     sweeps: int | str | None = None,
     equilibration: int | str | None = None,

@@ -24,6 +24,7 @@ mod protons;
 mod report;
 mod residues;
 mod score;
+mod states;
 mod sweep;
 mod titrate;
 mod train;

@@ -1,7 +1,7 @@
 //! Bodies with charges in memory, for loops of one's own.
 
 use crate::stability::run::columns::Measured;
-use crate::stability::run::{Engine, LogRow, Replica, RunSettings, frame, header};
+use crate::stability::run::{Engine, GivenState, LogRow, Replica, RunSettings, frame, header};
 use anyhow::{Context, Result, bail};
 use protomer_common::live::{Arrays, Column, Live, changed, refuse_others, require_rows, take};
 use protomer_io::gsd::Chunk;
@@ -44,12 +44,14 @@ pub fn assembly(
         .medium
         .interaction(settings.salt_molar.first().copied())?;
     let charged = engine.in_medium(&settings, &interaction)?;
+    let state = GivenState::wanted(&settings, &engine)?;
     let replica = Replica {
         engine: &charged,
         settings: &settings,
         interaction,
         salt_index: 0,
         replica: 0,
+        state: state.as_ref(),
         identity: "",
     };
     let simulation = replica.start()?;

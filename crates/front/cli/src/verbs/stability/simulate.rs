@@ -3,7 +3,7 @@
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::{ConditionArgs, MediumArgs};
 use crate::flags::model::ModelArgs;
-use crate::flags::settings::SettingsArgs;
+use crate::flags::settings::{Owner, SettingsArgs};
 use crate::flags::solute::{ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
@@ -137,7 +137,17 @@ pub struct SimulateArgs {
     #[command(flatten)]
     conditions: ConditionArgs,
     #[command(flatten)]
+    flags: SettingsArgs<RunSettings, Simulate>,
+    #[command(flatten)]
     run: RunArgs,
+}
+
+/// Owner of the flags that `sweep` has not.
+#[derive(Debug)]
+struct Simulate;
+
+impl Owner for Simulate {
+    const VERB: Option<&'static str> = Some("simulate");
 }
 
 impl SimulateArgs {
@@ -183,6 +193,7 @@ impl SimulateArgs {
     fn settings(&self) -> Result<RunSettings> {
         let mut settings = self.run.settings(&self.conditions.medium)?;
         settings.replicas = 1;
+        self.flags.override_in(&mut settings)?;
         match self.conditions.salt {
             Some(salt) => settings.salt_molar = vec![salt],
             None if self.run.config.is_none()

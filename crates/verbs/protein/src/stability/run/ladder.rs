@@ -7,7 +7,7 @@
 //! ```
 
 use super::outputs::{Outputs, SavedOutputs};
-use super::{AcceptedFractions, Engine, Replica, RunSettings};
+use super::{AcceptedFractions, Engine, GivenState, Replica, RunSettings};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Context, Error, Result};
 use protomer_mc::exchange::Exchanges;
@@ -26,6 +26,8 @@ pub struct LadderRun<'a> {
     pub settings: &'a RunSettings,
     /// Index of the replica.
     pub replica: u32,
+    /// Poses of a file from which the bodies start, in the place of those of the assembly.
+    pub state: Option<&'a GivenState>,
     /// Hash of everything that shapes the result.
     pub identity: &'a str,
 }
@@ -220,6 +222,7 @@ impl<'a> LadderRun<'a> {
             interaction: rung.interaction,
             salt_index: rung.salt_index,
             replica: self.replica,
+            state: self.state,
             identity: self.identity,
         }
     }

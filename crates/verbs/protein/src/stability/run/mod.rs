@@ -3,6 +3,7 @@
 pub mod columns;
 mod costs;
 mod engine;
+mod given_state;
 mod ladder;
 mod log;
 mod outputs;
@@ -15,6 +16,7 @@ mod trajectory;
 pub use columns::{Column, Columns};
 pub use costs::EnergyCosts;
 pub use engine::{Engine, require_room};
+pub use given_state::GivenState;
 pub use ladder::{Exchanged, LadderRun, Rung};
 pub use log::LogRow;
 pub use replica::{AcceptedFractions, Replica};

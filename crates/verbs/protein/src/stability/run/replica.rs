@@ -6,7 +6,7 @@
 
 use super::outputs::{Outputs, SavedOutputs};
 use super::settings::Start;
-use super::{Engine, RunSettings};
+use super::{Engine, GivenState, RunSettings};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Error, Result};
 use protomer_kernel::null;
@@ -34,6 +34,8 @@ pub struct Replica<'a> {
     pub salt_index: u32,
     /// Index of the replica.
     pub replica: u32,
+    /// Poses of a file from which the bodies start, in the place of those of the assembly.
+    pub state: Option<&'a GivenState>,
     /// Hash of everything that shapes the result.
     pub identity: &'a str,
 }
@@ -190,7 +192,7 @@ impl Saved {
 }
 
 impl Replica<'_> {
-    /// The simulation before its first move: from the assembly or from a fluid, as the settings say.
+    /// The simulation before its first move: from a file, from the assembly or from a fluid, as the settings say.
     ///
     /// # Errors
     /// If the start is impossible.
@@ -199,9 +201,10 @@ impl Replica<'_> {
         let assembly = engine.system()?;
         // Contacts of the assembly, not of the start: a fluid is compared with it as well.
         let native = contacts(&assembly, settings.contact_gap_angstrom);
-        let system = match settings.starts.of_replica(self.replica) {
-            Start::Assembly => assembly,
-            Start::Fluid => scattered(&assembly, settings.seed, self.replica)?,
+        let system = match (self.state, settings.starts.of_replica(self.replica)) {
+            (Some(state), _) => engine.system_at(&state.poses)?,
+            (None, Start::Assembly) => assembly,
+            (None, Start::Fluid) => scattered(&assembly, settings.seed, self.replica)?,
         };
         // Every simulation of a sweep has its own stream of random numbers.
         let stream = self.salt_index * settings.replicas + self.replica;

@@ -62,6 +62,10 @@ protomer_common::settings! {
         exchange_every: u64, in STEPS, value "SWEEPS", omit "is_default", from sweep;
         /// Starting states of the replicas.
         starts: Starts, omit "is_default", from sweep;
+        /// GSD file with the first poses of all bodies, such as the trajectory of another run.
+        state: Option<String>, otherwise "the assembly", value "FILE", omit "is_default", from simulate;
+        /// Frame of that file, counted from 0.
+        frame: Option<u64>, in STEPS, otherwise "the last", omit "is_default", from simulate;
         /// Seed of the random numbers.
         seed: u64 = 1_u64;
         /// Surfaces closer than this are in contact, Å.
@@ -277,7 +281,7 @@ impl RunSettings {
 
     /// Whether every replica starts from the assembly.
     pub fn is_from_assembly(&self) -> bool {
-        self.starts == Starts::Assembly
+        self.starts == Starts::Assembly && self.state.is_none()
     }
 
     /// Number of simulations of a sweep: salt concentrations times replicas.
@@ -386,10 +390,24 @@ impl RunSettings {
             );
         }
         self.tolerance_of_energy_kt()?;
+        self.check_state()?;
         self.check_equilibration()?;
         self.check_terms()?;
         self.check_proton_moves()?;
         self.check_interaction()
+    }
+
+    fn check_state(&self) -> Result<()> {
+        if self.state.is_some() && self.starts != Starts::Assembly {
+            bail!(
+                "a state and starts = \"{}\" are two starts; leave out one of them",
+                self.starts.name()
+            );
+        }
+        if self.state.is_none() && self.frame.is_some() {
+            bail!("--frame is that of a file to start from; add --state FILE.gsd");
+        }
+        Ok(())
     }
 
     fn check_equilibration(&self) -> Result<()> {

@@ -19,12 +19,12 @@ pub mod table;
 use crate::stability::effective;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{
-    AcceptedFractions, EnergyMode, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings,
-    Rung, replica_directory,
+    AcceptedFractions, EnergyMode, Engine, Exchanged, GivenState, LadderRun, LogRow, Replica,
+    RunSettings, Rung, replica_directory,
 };
 use anyhow::{Context, Error, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::{sha256_hex, write_atomically};
 use protomer_kernel::Boundary;
 use protomer_mc::observables::contacts;
 use protomer_plot::Figure;
@@ -263,6 +263,7 @@ struct Sweep<'a> {
     settings: &'a RunSettings,
     directory: &'a Path,
     media: Vec<Medium>,
+    state: Option<GivenState>,
     identity: String,
     tasks: Vec<Task>,
 }
@@ -281,12 +282,19 @@ impl<'a> Sweep<'a> {
             interaction,
             engine: OnceLock::new(),
         };
+        let state = GivenState::wanted(settings, engine)?;
+        let of_assembly = &engine.assembly().sha256;
+        let input = match &state {
+            None => of_assembly.clone(),
+            Some(state) => sha256_hex((of_assembly.clone() + &state.sha256()).as_bytes()),
+        };
         Ok(Self {
             engine,
             settings,
             directory,
             media: interactions.into_iter().map(medium).collect(),
-            identity: settings::identity(settings, &engine.assembly().sha256)?,
+            state,
+            identity: settings::identity(settings, &input)?,
             tasks: tasks(settings),
         })
     }
@@ -325,6 +333,7 @@ impl<'a> Sweep<'a> {
             interaction: self.media[salt_index].interaction,
             salt_index: salt_index as u32,
             replica,
+            state: self.state.as_ref(),
             identity: &self.identity,
         };
         let end = drive(&simulation, directory, execution)?;
@@ -357,6 +366,7 @@ impl<'a> Sweep<'a> {
             rungs,
             settings: self.settings,
             replica,
+            state: self.state.as_ref(),
             identity: &self.identity,
         };
         let end = drive(&ladder, directory, execution)?;
