@@ -1691,11 +1691,15 @@ def free_energy(
     bodies: int | str | None = None,
     equilibration: int | str | None = None,
     sweeps: int | str | None = None,
+    share: Literal["errors", "even"] | None = None,
+    shard: str | float | Sequence[str | float] | None = None,
     seed: int | str | None = None,
     time_limit: float | str | None = None,
     checkpoint_every: float | str | None = None,
     threads: int | str | None = None,
     force: bool = False,
+    client: Client | str | None = None,
+    parts: int | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Compute the free energy of a crystal of hard bodies. The same command continues the run; more sweeps

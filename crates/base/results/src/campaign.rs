@@ -59,6 +59,11 @@ pub trait Campaign: Sync {
         Value::Null
     }
 
+    /// Further details for the record of the finished campaign.
+    fn details_of(&self, _answer: &Self::Answer) -> Value {
+        self.details()
+    }
+
     /// The tasks, in a fixed order: parts of the campaign are defined by task numbers.
     fn tasks(&self) -> &[Self::Task];
 
@@ -98,10 +103,13 @@ pub fn conduct<C: Campaign>(
     directory: &ResultsDirectory,
     execution: &Execution,
 ) -> Result<End<C::Answer>, C::Error> {
-    let details = campaign.details();
+    let details = |answer: Option<&C::Answer>| match answer {
+        Some(answer) => campaign.details_of(answer),
+        None => campaign.details(),
+    };
     let work = campaign.work();
     let all = || to_the_end(campaign, execution);
-    recorded_with(&work, details, directory, &execution.interrupt, all)
+    recorded_with(&work, &details, directory, &execution.interrupt, all)
 }
 
 /// Runs some work and keeps the record of its directory up to date: running, then how it ended.
@@ -114,20 +122,20 @@ pub fn recorded<T, E: From<Error> + Display>(
     interrupt: &Interrupt,
     run: impl FnOnce() -> Result<End<T>, E>,
 ) -> Result<End<T>, E> {
-    recorded_with(work, Value::Null, directory, interrupt, run)
+    recorded_with(work, &|_| Value::Null, directory, interrupt, run)
 }
 
 fn recorded_with<T, E: From<Error> + Display>(
     work: &Work,
-    details: Value,
+    details: &dyn Fn(Option<&T>) -> Value,
     directory: &ResultsDirectory,
     interrupt: &Interrupt,
     run: impl FnOnce() -> Result<End<T>, E>,
 ) -> Result<End<T>, E> {
     let path = directory.path();
     let at_work = interrupt.at_work();
-    let record = |exit| Record {
-        details: details.clone(),
+    let record = |exit, answer: Option<&T>| Record {
+        details: details(answer),
         ..Record::new(work, exit)
     };
     // Finished work stays finished, even if a later call fails. Work that has been extended is
@@ -137,18 +145,18 @@ fn recorded_with<T, E: From<Error> + Display>(
     let was_done = !directory.settings_are_new() && present.is_some_and(|record| record.is_done());
     if !was_done {
         at_work.begin(path);
-        record(Exit::Running).write(path)?;
+        record(Exit::Running, None).write(path)?;
     }
     let end = run();
     // Under the lock of `at_work`: the end of the process must not overwrite this record.
-    let write = |exit| at_work.end(path, || record(exit).write(path));
+    let write = |exit, answer| at_work.end(path, || record(exit, answer).write(path));
     match &end {
-        Ok(End::Finished(_)) => write(Exit::Done)?,
-        Ok(End::Stopped) => write(Exit::stopped_by(interrupt))?,
+        Ok(End::Finished(answer)) => write(Exit::Done, Some(answer))?,
+        Ok(End::Stopped) => write(Exit::stopped_by(interrupt), None)?,
         Err(_) if was_done => {}
         // The error of the work takes precedence over a failure to record it, for example on a full
         // disk.
-        Err(error) => drop(write(Exit::failed(error))),
+        Err(error) => drop(write(Exit::failed(error), None)),
     }
     end
 }

@@ -37,6 +37,8 @@ pub enum ResultKind {
     HardBodySweep,
     /// The free energy of a crystal of hard bodies.
     FreeEnergy,
+    /// One strength of the springs of a free energy.
+    FreeEnergyStrength,
     /// A lattice of rigid squares followed through time.
     LatticeRun,
     /// Many lattice runs.
@@ -148,6 +150,12 @@ const KINDS: &[Words] = &[
         "free energy",
         "the free energy of a crystal",
         &["free-energy"],
+    ),
+    words(
+        ResultKind::FreeEnergyStrength,
+        "free energy strength",
+        "one strength of a free energy",
+        &[],
     ),
     words(
         ResultKind::DynamicsRun,

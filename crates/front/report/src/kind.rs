@@ -78,6 +78,10 @@ pub fn detect(directory: &Path) -> Result<Kind> {
             "{} is one condition of an equilibrium; give the directory that holds run.toml",
             directory.display()
         ),
+        Some(ResultKind::FreeEnergyStrength) => bail!(
+            "{} is one strength of a free energy; give the directory that holds run.toml",
+            directory.display()
+        ),
         None if directory.join("run.toml").is_file() => bail!(
             "{} holds the settings of work that has not begun; the same command begins it, and then it has a page",
             directory.display()

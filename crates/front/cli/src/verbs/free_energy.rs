@@ -2,11 +2,15 @@
 
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::hard_body::HardBodyArgs;
+use crate::flags::scheduler::PartArgs;
+use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer_shape_verbs::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
+use protomer_shape_verbs::hard_bodies::free_energy::{
+    FreeEnergySettings, Share, run_free_energy, run_shard,
+};
 use protomer_shape_verbs::hard_bodies::start::names_of_crystals;
 use std::path::PathBuf;
 
@@ -45,6 +49,11 @@ pub struct FreeEnergyArgs {
     /// Sweeps after the equilibration, per strength on average.
     #[arg(long, default_value_t = 20_000)]
     sweeps: u64,
+    /// Division of the sweeps among the strengths of the springs; --shard needs `even`.
+    #[arg(long, value_parser = choice::<Share>(), default_value = "errors")]
+    share: Share,
+    #[command(flatten)]
+    part: PartArgs,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -57,6 +66,7 @@ pub struct FreeEnergyArgs {
 
 impl FreeEnergyArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.part.check()?;
         let settings = FreeEnergySettings {
             shape: self.body.shape.clone(),
             rounding_radius: self.body.rounding.rounding,
@@ -66,9 +76,14 @@ impl FreeEnergyArgs {
             packing_fraction: self.packing_fraction,
             equilibration: self.equilibration,
             sweeps: self.sweeps,
+            share: self.share,
             seed: self.seed,
         };
         let execution = self.execution.execution(front)?;
+        if let Some(shard) = self.part.shard() {
+            let end = run_shard(&settings, &self.output, shard, &execution)?;
+            return Ok(Reply::of_part(end, shard, ["strength", "strengths"]));
+        }
         let end = run_free_energy(&settings, &self.output, &execution)?;
         Ok(Reply::of_end(end, || {
             format!(

@@ -3,6 +3,10 @@
 //! ```text
 //! DIR/  run.toml  run.json  log.csv  points.csv  crystal.gsd  checkpoint.bin
 //! ```
+//!
+//! With even sweeps the log and the checkpoint are in a folder for each strength (module `apart`).
+
+mod apart;
 
 use super::result::{mean_and_error, tilt_factors};
 use super::settings::{check_bodies, check_packing_fraction, check_rounding};
@@ -12,17 +16,18 @@ use anyhow::{Context, Error, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
 use protomer_common::range;
+use protomer_common::settings::is_default;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::frenkel_ladd::{
-    Estimate, FreeEnergy, Measurement, Plan, STRENGTHS, Walker, WalkerState, share,
+    Estimate, FreeEnergy, Measurement, Plan, Point, STRENGTHS, Walker, WalkerState, share,
 };
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::summarize;
 use protomer_results::checkpoint::require_lengths;
 use protomer_results::{
     CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Settings,
-    Turn, Work, drive, log, settings,
+    Shard, Turn, Work, drive, log, settings,
 };
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -50,8 +55,18 @@ const LAYOUT: Layout = Layout {
     kind: ResultKind::FreeEnergy,
     settings: "run.toml",
     results: &["run.json", LOG, POINTS, CRYSTAL, CHECKPOINT, "report.html"],
-    is_result: |_| false,
+    is_result: apart::is_strength,
 };
+
+protomer_kernel::choices! {
+    /// Division of the sweeps among the strengths of the springs.
+    pub enum Share, default Errors {
+        /// Sweeps go where the error of the integral falls most.
+        Errors = "errors",
+        /// The same sweeps at each strength, each in its own folder, so that processes can share the strengths.
+        Even = "even",
+    }
+}
 
 /// Settings of a free energy. Lengths are in the unit of the shape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -75,6 +90,9 @@ pub struct FreeEnergySettings {
     pub equilibration: u64,
     /// Sweeps after the equilibration, per point on average.
     pub sweeps: u64,
+    /// Division of the sweeps among the strengths.
+    #[serde(skip_serializing_if = "is_default")]
+    pub share: Share,
     /// Seed of the random numbers.
     pub seed: u64,
 }
@@ -90,6 +108,7 @@ impl Default for FreeEnergySettings {
             packing_fraction: 0.6,
             equilibration: 2000,
             sweeps: 20_000,
+            share: Share::Errors,
             seed: 1,
         }
     }
@@ -317,19 +336,94 @@ pub fn run_free_energy(
 ) -> Result<End<FreeEnergyResult>> {
     settings.check()?;
     let shape = BodyShape::read(&settings.shape)?;
+    let whole = Whole { path, execution };
     match shape.dimension() {
-        1 => in_dimension::<1>(settings, &shape, path, execution),
-        2 => in_dimension::<2>(settings, &shape, path, execution),
-        _ => in_dimension::<3>(settings, &shape, path, execution),
+        1 => in_dimension::<1, _>(settings, &shape, whole),
+        2 => in_dimension::<2, _>(settings, &shape, whole),
+        _ => in_dimension::<3, _>(settings, &shape, whole),
     }
 }
 
-fn in_dimension<const D: usize>(
+/// Runs or continues some strengths of the springs, while other processes do others in the same directory; returns
+/// their number. [`run_free_energy`] finds them done and computes the free energy.
+///
+/// # Errors
+/// As [`run_free_energy`], and for settings in which the sweeps of one strength depend on the others.
+pub fn run_shard(
+    settings: &FreeEnergySettings,
+    path: &Path,
+    shard: Shard,
+    execution: &Execution,
+) -> Result<End<usize>> {
+    settings.check()?;
+    if settings.share != Share::Even {
+        bail!(
+            "the sweeps of each strength depend on the errors of the others, so they cannot be shared; add --share even"
+        );
+    }
+    let shape = BodyShape::read(&settings.shape)?;
+    let part = InPart {
+        path,
+        shard,
+        execution,
+    };
+    match shape.dimension() {
+        1 => in_dimension::<1, _>(settings, &shape, part),
+        2 => in_dimension::<2, _>(settings, &shape, part),
+        _ => in_dimension::<3, _>(settings, &shape, part),
+    }
+}
+
+/// Work on a free energy whose settings have been checked, in any number of dimensions.
+trait Carrying {
+    type Answer;
+
+    fn carry_out<const D: usize>(self, run: &FreeEnergyRun<'_, D>) -> Result<End<Self::Answer>>;
+}
+
+/// All of it.
+struct Whole<'a> {
+    path: &'a Path,
+    execution: &'a Execution,
+}
+
+impl Carrying for Whole<'_> {
+    type Answer = FreeEnergyResult;
+
+    fn carry_out<const D: usize>(
+        self,
+        run: &FreeEnergyRun<'_, D>,
+    ) -> Result<End<FreeEnergyResult>> {
+        let Self { path, execution } = self;
+        if run.settings.share == Share::Even {
+            return apart::carry_out_apart(run, path, execution);
+        }
+        let _ours = ResultsDirectory::enter(path, &LAYOUT, run.settings, &run.identity, execution)?;
+        execution.progress.begin(run.length(), "sweeps");
+        drive(run, path, execution)
+    }
+}
+
+/// Some strengths, alongside other processes.
+struct InPart<'a> {
+    path: &'a Path,
+    shard: Shard,
+    execution: &'a Execution,
+}
+
+impl Carrying for InPart<'_> {
+    type Answer = usize;
+
+    fn carry_out<const D: usize>(self, run: &FreeEnergyRun<'_, D>) -> Result<End<usize>> {
+        apart::carry_out_part(run, self.path, self.shard, self.execution)
+    }
+}
+
+fn in_dimension<const D: usize, C: Carrying>(
     settings: &FreeEnergySettings,
     shape: &BodyShape,
-    path: &Path,
-    execution: &Execution,
-) -> Result<End<FreeEnergyResult>> {
+    carrying: C,
+) -> Result<End<C::Answer>> {
     let body = shape
         .body::<D>(settings.rounding_radius)
         .with_context(|| settings.shape.clone())?;
@@ -346,9 +440,7 @@ fn in_dimension<const D: usize>(
         crystal: &crystal,
     };
     // Only now: what was checked above refuses without a directory being made.
-    let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
-    execution.progress.begin(run.length(), "sweeps");
-    drive(&run, path, execution)
+    carrying.carry_out(&run)
 }
 
 /// A free energy whose settings have been checked.
@@ -380,17 +472,26 @@ struct Saved {
     walkers: Vec<WalkerState>,
 }
 
-impl<const D: usize> Open<D> {
-    fn estimates(&self) -> Vec<Estimate> {
-        let estimate = |series: &Vec<f64>| {
-            let (mean, error) = mean_and_error(series);
-            // Too few rows for an error: the value itself as error sends work to this point first.
-            let error = error.unwrap_or(mean);
-            Estimate { mean, error }
-        };
-        self.series.iter().map(estimate).collect()
-    }
+/// Means of the extents at each point, with their errors.
+fn estimates(series: &[Vec<f64>]) -> Vec<Estimate> {
+    let estimate = |series: &Vec<f64>| {
+        let (mean, error) = mean_and_error(series);
+        // Too few rows for an error: the value itself as error sends work to this point first.
+        let error = error.unwrap_or(mean);
+        Estimate { mean, error }
+    };
+    series.iter().map(estimate).collect()
+}
 
+/// Does a part of the equilibration, in which steps are tuned.
+fn equilibrate<const D: usize>(walker: &mut Walker<D>, remaining_sweeps: u64) {
+    // What makes sweeps fast is made anew here, so that a run goes on from a checkpoint as it would have.
+    walker.refresh();
+    // Tuned now, since steps may not change while something is measured.
+    walker.run(remaining_sweeps.min(EQUILIBRATION_AT_ONCE), true);
+}
+
+impl<const D: usize> Open<D> {
     /// Rows that each point is given in the next round.
     fn rows(&self) -> Vec<u64> {
         let points = self.walkers.len();
@@ -399,7 +500,7 @@ impl<const D: usize> Open<D> {
             true => vec![PARTS_PER_ROUND / points; points],
             false => {
                 let mut measured = Vec::new();
-                for (series, estimate) in self.series.iter().zip(self.estimates()) {
+                for (series, estimate) in self.series.iter().zip(estimates(&self.series)) {
                     measured.push((series.len() as u64, estimate.error));
                 }
                 // Then where the error of the integral falls most for its cost.
@@ -412,8 +513,7 @@ impl<const D: usize> Open<D> {
 }
 
 impl<const D: usize> FreeEnergyRun<'_, D> {
-    fn point(&self, open: &Open<D>, number: usize, estimate: &Estimate) -> PointResult {
-        let (point, series) = (&open.plan.points[number], &open.series[number]);
+    fn point(point: &Point, series: &[f64], estimate: &Estimate) -> PointResult {
         let summary = summarize(series);
         PointResult {
             strength_kt_per_area: point.strength,
@@ -428,15 +528,58 @@ impl<const D: usize> FreeEnergyRun<'_, D> {
         }
     }
 
-    fn write_crystal(&self, open: &Open<D>, path: &Path) -> Result<()> {
+    /// Writes the crystal, and its bodies on the weakest springs.
+    fn write_crystal(&self, weakest: Option<&Walker<D>>, path: &Path) -> Result<()> {
         let system = self.crystal.system(self.body, &[])?;
         let mut trajectory = open_trajectory(path, &system, None, 0)?;
         trajectory.append(frame(0, &system))?;
-        if let Some(weakest) = open.walkers.first() {
+        if let Some(weakest) = weakest {
             trajectory.append(frame(weakest.sweeps(), weakest.system()))?;
         }
         trajectory.sync()?;
         Ok(())
+    }
+
+    /// Computes the free energy from the extents at each point, and writes the table of points.
+    fn result(
+        &self,
+        plan: &Plan,
+        series: &[Vec<f64>],
+        directory: &Path,
+    ) -> Result<FreeEnergyResult> {
+        let estimates = estimates(series);
+        let terms = self.measurement.free_energy(plan, &estimates);
+        let (mut points, mut slow_points) = (Vec::new(), Vec::new());
+        for (number, estimate) in estimates.iter().enumerate() {
+            let point = Self::point(&plan.points[number], &series[number], estimate);
+            if point.independent_samples < FEW_SAMPLES {
+                slow_points.push(number);
+            }
+            points.push(point);
+        }
+        let table = table_of(&points)?;
+        // Overwritten: the points of a shorter run are no longer true.
+        write_once(&directory.join(POINTS), table.as_bytes(), true)?;
+        let density = self.settings.packing_fraction / self.body.volume;
+        Ok(FreeEnergyResult {
+            shape: self.settings.shape.clone(),
+            crystal: self.settings.crystal.clone(),
+            dimension: D,
+            bodies: self.settings.bodies,
+            packing_fraction: self.settings.packing_fraction,
+            number_density: density,
+            box_edges: self.crystal.space.lengths().to_vec(),
+            box_tilt_factors: tilt_factors(&self.crystal.space),
+            symmetry_order: self.measurement.symmetry().rotations().len(),
+            free_energy_per_body_kt: terms.total_kt,
+            free_energy_per_body_kt_error: terms.total_kt_error,
+            // The ideal gas of this density has A/(N kT) = ln ρ - 1.
+            excess_free_energy_per_body_kt: terms.total_kt - (density.ln() - 1.0),
+            excess_free_energy_per_body_kt_error: terms.total_kt_error,
+            terms,
+            points,
+            slow_points,
+        })
     }
 }
 
@@ -514,13 +657,8 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
         let equilibrated = open.walkers.iter().map(Walker::sweeps).min().unwrap_or(0);
         let remaining_sweeps = self.settings.equilibration.saturating_sub(equilibrated);
         if remaining_sweeps > 0 {
-            open.walkers.par_iter_mut().for_each(|walker| {
-                // What makes sweeps fast is made anew here, so that
-                // a run goes on from a checkpoint as it would have.
-                walker.refresh();
-                // Tuned now, since steps may not change while something is measured.
-                walker.run(remaining_sweeps.min(EQUILIBRATION_AT_ONCE), true);
-            });
+            let walkers = open.walkers.par_iter_mut();
+            walkers.for_each(|walker| equilibrate(walker, remaining_sweeps));
             return Ok(());
         }
         let rows = open.rows();
@@ -559,40 +697,9 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
     }
 
     fn answer(&self, open: &mut Open<D>, directory: &Path) -> Result<FreeEnergyResult> {
-        let estimates = open.estimates();
-        let terms = self.measurement.free_energy(&open.plan, &estimates);
-        let (mut points, mut slow_points) = (Vec::new(), Vec::new());
-        for (number, estimate) in estimates.iter().enumerate() {
-            let point = self.point(open, number, estimate);
-            if point.independent_samples < FEW_SAMPLES {
-                slow_points.push(number);
-            }
-            points.push(point);
-        }
-        let table = table_of(&points)?;
-        // Overwritten: the points of a shorter run are no longer true.
-        write_once(&directory.join(POINTS), table.as_bytes(), true)?;
-        self.write_crystal(open, &directory.join(CRYSTAL))?;
-        let density = self.settings.packing_fraction / self.body.volume;
-        Ok(FreeEnergyResult {
-            shape: self.settings.shape.clone(),
-            crystal: self.settings.crystal.clone(),
-            dimension: D,
-            bodies: self.settings.bodies,
-            packing_fraction: self.settings.packing_fraction,
-            number_density: density,
-            box_edges: self.crystal.space.lengths().to_vec(),
-            box_tilt_factors: tilt_factors(&self.crystal.space),
-            symmetry_order: self.measurement.symmetry().rotations().len(),
-            free_energy_per_body_kt: terms.total_kt,
-            free_energy_per_body_kt_error: terms.total_kt_error,
-            // The ideal gas of this density has A/(N kT) = ln ρ - 1.
-            excess_free_energy_per_body_kt: terms.total_kt - (density.ln() - 1.0),
-            excess_free_energy_per_body_kt_error: terms.total_kt_error,
-            terms,
-            points,
-            slow_points,
-        })
+        let result = self.result(&open.plan, &open.series, directory)?;
+        self.write_crystal(open.walkers.first(), &directory.join(CRYSTAL))?;
+        Ok(result)
     }
 
     fn details(&self, open: &mut Open<D>, directory: &Path) -> Result<Value> {
@@ -612,6 +719,102 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use protomer_results::Record;
+
+    #[test]
+    fn strengths_apart_give_the_same_bytes_for_any_number_of_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let settings = FreeEnergySettings {
+            shape: "polygon:4".into(),
+            crystal: "square".into(),
+            turn: vec![45.0],
+            bodies: 36,
+            packing_fraction: 0.85,
+            equilibration: 100,
+            // Not whole rows.
+            sweeps: 310,
+            share: Share::Even,
+            ..FreeEnergySettings::default()
+        };
+        let run = |settings: &FreeEnergySettings, name: &str| {
+            let path = folder.path().join(name);
+            let end = run_free_energy(settings, &path, &Execution::default()).unwrap();
+            end.finished().unwrap()
+        };
+        let parts = folder.path().join("parts");
+        let mut done = 0;
+        for index in [3, 1, 4, 2] {
+            let shard = Shard::parse(&format!("{index}/4")).unwrap();
+            let end = run_shard(&settings, &parts, shard, &Execution::default()).unwrap();
+            done += end.finished().unwrap();
+        }
+        assert_eq!(done, STRENGTHS);
+        let (in_parts, at_once) = (run(&settings, "parts"), run(&settings, "whole"));
+        assert_eq!(in_parts, at_once);
+        assert!(at_once.points.iter().all(|point| point.sweeps == 350));
+        let read =
+            |name: &str, file: &str| std::fs::read(folder.path().join(name).join(file)).unwrap();
+        for file in [
+            "run.json",
+            POINTS,
+            CRYSTAL,
+            "run.toml",
+            "strength_07/log.csv",
+        ] {
+            assert!(read("parts", file) == read("whole", file), "{file}");
+        }
+        // More sweeps extend it, to the bytes of a long one.
+        let long = FreeEnergySettings {
+            sweeps: 600,
+            ..settings.clone()
+        };
+        assert_eq!(run(&long, "parts"), run(&long, "long"));
+        assert!(read("parts", POINTS) == read("long", POINTS));
+        // The record is read as that of any free energy.
+        let record = Record::read(&folder.path().join("long")).unwrap().unwrap();
+        let recorded = record.answer::<FreeEnergyResult>().unwrap();
+        assert!(record.is_done() && recorded.points.len() == STRENGTHS);
+        let adaptive = FreeEnergySettings {
+            share: Share::Errors,
+            ..settings
+        };
+        let shard = Shard::parse("1/2").unwrap();
+        let refused = run_shard(&adaptive, &parts, shard, &Execution::default());
+        assert!(refused.unwrap_err().to_string().contains("--share even"));
+        assert!(run_free_energy(&adaptive, &parts, &Execution::default()).is_err());
+    }
+
+    #[test]
+    fn even_sweeps_agree_with_those_by_errors() {
+        // Rods on a line, whose free energy is known: ln(1/(1 - η)) and the ideal gas.
+        let folder = tempfile::tempdir().unwrap();
+        let settings = |share| FreeEnergySettings {
+            shape: "rod:1".into(),
+            crystal: "row".into(),
+            bodies: 8,
+            packing_fraction: 0.5,
+            equilibration: 100,
+            sweeps: 2000,
+            share,
+            ..FreeEnergySettings::default()
+        };
+        let [even, by_errors] = [Share::Even, Share::Errors].map(|share| {
+            let path = folder
+                .path()
+                .join(protomer_kernel::setting::Choices::name(share));
+            let end = run_free_energy(&settings(share), &path, &Execution::default()).unwrap();
+            end.finished().unwrap()
+        });
+        let error = even
+            .free_energy_per_body_kt_error
+            .hypot(by_errors.free_energy_per_body_kt_error);
+        let apart = even.free_energy_per_body_kt - by_errors.free_energy_per_body_kt;
+        assert!(error < 0.03 && apart.abs() < 4.0 * error, "{apart} {error}");
+        assert!(
+            (even.free_energy_per_body_kt + 0.84051).abs()
+                < 4.0 * even.free_energy_per_body_kt_error
+        );
+    }
 
     #[test]
     fn a_free_energy_that_stops_and_goes_on_writes_the_same_bytes() {
