@@ -1,15 +1,17 @@
-//! A hard body, ready for tests of overlap: convex, or of several convex pieces.
+//! A hard body, ready for tests of overlap: convex, of several convex pieces, or an ellipsoid.
 
+use crate::ellipsoids;
 use crate::pieces::{Piece, Pieces};
 use crate::reservoir::ball_volume;
 use crate::{Result, error::require};
 use protomer_kernel::Rotation;
 use protomer_kernel::shape::Shape;
+use protomer_kernel::shape::ellipsoid::measures_of_ellipsoid;
 use protomer_kernel::shape::exact::overlap_exactly;
 use protomer_kernel::shape::separation::{Block, Pair, dot, error_of_heights, pack, turn};
 
-/// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre; or several of them, held
-/// together.
+/// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre; several of them, held
+/// together; or an ellipse or ellipsoid.
 ///
 /// ```
 /// use protomer_hpmc::body::HardBody;
@@ -21,7 +23,7 @@ use protomer_kernel::shape::separation::{Block, Pair, dot, error_of_heights, pac
 /// ```
 #[derive(Debug, Clone)]
 pub struct HardBody<const D: usize> {
-    /// The corners from the centre; those of all pieces.
+    /// The corners from the centre; those of all pieces. An ellipsoid has none.
     pub corners: Vec<[f64; D]>,
     /// Radius of the ball, or disk, that is added to the hull of the corners.
     pub rounding_radius: f64,
@@ -31,11 +33,14 @@ pub struct HardBody<const D: usize> {
     pub outer_radius: f64,
     /// Volume; in a plane, area.
     pub volume: f64,
+    /// The corners in lanes; of an ellipsoid its half axes, as vectors.
     packed: Vec<Block<D>>,
     /// The corners of each face; in a plane, of each edge.
     faces: Vec<Vec<usize>>,
     /// Pieces of a body that is not convex.
     pieces: Option<Pieces<D>>,
+    /// Half axes of an ellipsoid.
+    half_axes: Option<[f64; D]>,
 }
 
 impl<const D: usize> HardBody<D> {
@@ -63,6 +68,7 @@ impl<const D: usize> HardBody<D> {
             corners: piece.corners,
             faces: piece.faces,
             pieces: None,
+            half_axes: None,
         })
     }
 
@@ -108,6 +114,7 @@ impl<const D: usize> HardBody<D> {
             corners,
             faces: Vec::new(),
             pieces: Some(pieces),
+            half_axes: None,
         })
     }
 
@@ -136,7 +143,49 @@ impl<const D: usize> HardBody<D> {
             volume,
             faces: Vec::new(),
             pieces: None,
+            half_axes: None,
         })
+    }
+
+    /// An ellipsoid about its centre with half axes along the coordinates; in a plane an ellipse. In a mixture all
+    /// bodies are ellipsoids, or none.
+    ///
+    /// ```
+    /// use protomer_hpmc::body::HardBody;
+    /// let egg = HardBody::<3>::ellipsoid([1.0, 1.0, 1.5])?;
+    /// assert!((egg.volume - 2.0 * std::f64::consts::PI).abs() < 1e-12);
+    /// assert_eq!((egg.inner_radius, egg.outer_radius), (1.0, 1.5));
+    /// assert!(HardBody::<2>::ellipsoid([1.0, 0.0]).is_err());
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// For half axes outside 1e-50 to 1e50.
+    pub fn ellipsoid(half_axes: [f64; D]) -> Result<Self> {
+        let measures = measures_of_ellipsoid(&half_axes, 0.0)?;
+        let vectors: Vec<[f64; D]> = (0..D)
+            .map(|axis| {
+                let mut vector = [0.0; D];
+                vector[axis] = half_axes[axis];
+                vector
+            })
+            .collect();
+        Ok(Self {
+            packed: pack(&vectors),
+            corners: Vec::new(),
+            rounding_radius: 0.0,
+            inner_radius: half_axes.iter().copied().fold(f64::INFINITY, f64::min),
+            outer_radius: half_axes.iter().copied().fold(0.0, f64::max),
+            volume: measures.volume,
+            faces: Vec::new(),
+            pieces: None,
+            half_axes: Some(half_axes),
+        })
+    }
+
+    /// The half axes of an ellipsoid.
+    pub fn half_axes(&self) -> Option<[f64; D]> {
+        self.half_axes
     }
 
     /// Whether the body is a ball or a disk, which looks the same however it is turned.
@@ -181,6 +230,9 @@ impl<const D: usize> HardBody<D> {
         let squared: f64 = offset.iter().map(|x| x * x).sum();
         if squared < inner * inner || squared >= outer * outer {
             return squared < outer * outer;
+        }
+        if self.half_axes.is_some() {
+            return ellipsoids::overlap(&first[0], &second[0], offset, &mut { *offset });
         }
         let pair = self.pair_of_hulls(other, first, second, offset);
         pair.overlap(&mut { *offset }, || self.exact(other, &pair))
@@ -244,6 +296,10 @@ impl<const D: usize> HardBody<D> {
 
     /// Reach of a turned body down and up along the last axis from its centre.
     pub(crate) fn extent(&self, corners: &[Block<D>]) -> [f64; 2] {
+        if self.half_axes.is_some() {
+            let reach = ellipsoids::reach_along_last(&corners[0]);
+            return [-reach, reach];
+        }
         let hull = self
             .pieces
             .as_ref()

@@ -10,6 +10,7 @@
 //! |---|---|
 //! | [`body`] | a hard body, ready for tests of overlap |
 //! | [`mixture`] | kinds of bodies, and which body is of which |
+//! | `ellipsoids` | whether two ellipsoids overlap |
 //! | [`pieces`] | convex pieces, and bodies made of several of them |
 //! | [`reservoir`] | kinds of depletants |
 //! | [`box_moves`] | changes of the box at constant pressure |
@@ -43,6 +44,7 @@ pub mod compression;
 pub mod crystal;
 pub mod depletants;
 pub mod einstein;
+mod ellipsoids;
 pub mod equation_of_state;
 mod error;
 pub mod field;

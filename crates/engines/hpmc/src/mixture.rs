@@ -30,7 +30,7 @@ impl<const D: usize> Mixture<D> {
     /// ```
     ///
     /// # Errors
-    /// Without a kind, and for the number of a kind that there is not. If one kind is made of pieces, all must be.
+    /// Without a kind, and for the number of a kind that there is not. If one kind is made of pieces, all must be; the same for ellipsoids.
     pub fn new(kinds: Vec<HardBody<D>>, kind_of: Vec<u32>) -> Result<Self> {
         require(
             "the number of kinds",
@@ -51,6 +51,17 @@ impl<const D: usize> Mixture<D> {
         require(
             "the number of kinds in pieces",
             in_pieces as f64,
+            "none or all",
+            are_alike,
+        )?;
+        let ellipsoids = kinds
+            .iter()
+            .filter(|kind| kind.half_axes().is_some())
+            .count();
+        let are_alike = ellipsoids == 0 || ellipsoids == kinds.len();
+        require(
+            "the number of kinds that are ellipsoids",
+            ellipsoids as f64,
             "none or all",
             are_alike,
         )?;

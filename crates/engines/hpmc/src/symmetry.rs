@@ -45,7 +45,7 @@ impl Symmetry {
     /// Symmetry of a body in D dimensions.
     ///
     /// # Errors
-    /// For a rounded segment, which any rotation about its axis leaves as it is.
+    /// For a rounded segment, which any rotation about its axis leaves as it is, and for ellipsoids.
     ///
     /// ```
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
@@ -55,6 +55,9 @@ impl Symmetry {
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn find<const D: usize>(body: &HardBody<D>) -> Result<Self> {
+        if body.half_axes().is_some() {
+            return Err(Error::Ellipsoid);
+        }
         // The hull of a body that is not convex has all rotations of the body, and perhaps more.
         let corners = corners(body);
         let mut rotations = match (body.is_round(), D) {

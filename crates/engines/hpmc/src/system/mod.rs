@@ -30,6 +30,7 @@ pub(crate) use room::{bodies_in_longer_box, first_that_works, least_edge};
 pub use steps::{Counts, MoveCounts, Steps};
 
 use crate::body::HardBody;
+use crate::error::require;
 use crate::grid::{Grid, Near};
 use crate::mixture::Mixture;
 use crate::potential::PairPotential;
@@ -77,6 +78,8 @@ pub struct System<const D: usize> {
     stride: usize,
     /// Whether all bodies are balls, which their distances decide.
     is_round: bool,
+    /// Whether all bodies are ellipsoids.
+    are_ellipsoids: bool,
     pub(crate) space: PeriodicBox<D>,
     has_walls: bool,
     /// Whether a move may turn a body.
@@ -142,6 +145,13 @@ impl<const D: usize> System<D> {
             });
         }
         let Mixture { kinds, kind_of } = mixture;
+        let are_ellipsoids = kinds.iter().any(|kind| kind.half_axes().is_some());
+        require(
+            "the number of kinds of depletants among ellipsoids",
+            depletants.len() as f64,
+            "0: they act between polyhedra and balls, rounded or not",
+            !are_ellipsoids || depletants.is_empty(),
+        )?;
         let stride = kinds.iter().map(HardBody::blocks).max().unwrap_or(0);
         let places: Vec<[f64; D]> = positions.iter().map(|place| space.wrap(place)).collect();
         let is_round = kinds.iter().all(HardBody::is_round);
@@ -155,6 +165,7 @@ impl<const D: usize> System<D> {
             widest,
             stride,
             is_round,
+            are_ellipsoids,
             space,
             has_walls: false,
             positions: places,

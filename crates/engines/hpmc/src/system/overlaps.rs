@@ -2,9 +2,10 @@
 
 use super::{System, Trial};
 use crate::body::HardBody;
+use crate::ellipsoids::{is_separated_along, overlap};
 use crate::grid::Near;
 use protomer_kernel::Rotation;
-use protomer_kernel::shape::separation::Block;
+use protomer_kernel::shape::separation::{Block, dot};
 
 /// Neighbours whose separating directions a body remembers; a power of two.
 const SLOTS: usize = 32;
@@ -161,10 +162,67 @@ impl<const D: usize> System<D> {
         }
         // Compiled twice: bodies of one kind, the usual case, look up neither their kinds nor the lengths of their corners, which took
         // a quarter of the time of cubes.
-        match self.kinds.len() {
-            1 => self.collides_among::<true>(trial),
-            _ => self.collides_among::<false>(trial),
+        match (self.are_ellipsoids, self.kinds.len()) {
+            (true, _) => self.ellipsoid_collides(trial),
+            (false, 1) => self.collides_among::<true>(trial),
+            (false, _) => self.collides_among::<false>(trial),
         }
+    }
+
+    /// Whether an ellipsoid would overlap another, by the same steps as other bodies. It has no corners but half axes, so this
+    /// is a function of its own: a question in the loop over corners would slow the others.
+    fn ellipsoid_collides(&mut self, trial: &Trial<D>) -> bool {
+        let mut near = std::mem::take(&mut self.near);
+        let mut memory = std::mem::take(&mut self.memory);
+        near.clear();
+        let body = self.body_of(trial.body);
+        let range = self.reach(trial);
+        let is_deep =
+            self.grid
+                .any_near(&trial.position, range * range, trial.body as u32, |other| {
+                    let kind = self.body_of(other.body as usize);
+                    let outer = body.outer_radius + kind.outer_radius;
+                    if other.squared < outer * outer {
+                        near.push(other);
+                    }
+                    let inner = body.inner_radius + kind.inner_radius;
+                    other.squared < inner * inner
+                });
+        let slots = &mut memory[trial.body * SLOTS..(trial.body + 1) * SLOTS];
+        let first = &self.corners_of_trial(trial)[0];
+        let mut collides = is_deep;
+        if !is_deep {
+            near.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));
+            for other in &near {
+                let second = &self.corners_of(other.body as usize)[0];
+                let slot = &mut slots[(other.body.wrapping_mul(HASH) >> 27) as usize];
+                // The direction that separated this pair last does so again where bodies move little.
+                if slot.other == other.body
+                    && is_separated_along(
+                        first,
+                        second,
+                        &other.offset,
+                        &slot.direction.map(f64::from),
+                    )
+                {
+                    continue;
+                }
+                let mut direction = other.offset;
+                if overlap(first, second, &other.offset, &mut direction) {
+                    collides = true;
+                    break;
+                }
+                // To length one, which single precision holds for bodies of any size.
+                let length = dot(&direction, &direction).sqrt();
+                *slot = Slot {
+                    other: other.body,
+                    direction: direction.map(|x| (x / length) as f32),
+                };
+            }
+        }
+        self.near = near;
+        self.memory = memory;
+        collides
     }
 
     /// Whether the body would overlap another, among bodies of one kind or of several.

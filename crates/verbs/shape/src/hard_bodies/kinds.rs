@@ -41,6 +41,24 @@ impl Shapes {
                 shapes[other].dimension()
             );
         }
+        let is_ellipsoid = |shape: &BodyShape| matches!(shape, BodyShape::Ellipsoid(_));
+        if let Some(other) = shapes
+            .iter()
+            .position(|shape| is_ellipsoid(shape) != is_ellipsoid(first))
+        {
+            bail!(
+                "--shape {} and --shape {} cannot be mixed: ellipsoids go with ellipsoids, balls included (ellipsoid:R,R,R)",
+                settings.shape[0],
+                settings.shape[other]
+            );
+        }
+        if is_ellipsoid(first) && !settings.depletants.is_empty() {
+            bail!(
+                "--shape {} cannot be among depletants: they act between polyhedra, polygons and balls, rounded or not; leave \
+                 out --depletants",
+                settings.shape[0]
+            );
+        }
         Ok(Self(shapes))
     }
 

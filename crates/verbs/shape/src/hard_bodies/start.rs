@@ -1,6 +1,6 @@
 //! Bodies and starts from what a user gives: names and files.
 
-use crate::shapes::read_shape;
+use crate::shapes::{half_axes, read_shape};
 use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
 use protomer_hpmc::body::HardBody;
@@ -35,6 +35,8 @@ pub(crate) enum BodyShape {
     Shape(Shape),
     /// Several shapes, where their coordinates have them, as one body.
     Pieces(Vec<Shape>),
+    /// An ellipse or an ellipsoid with these half axes.
+    Ellipsoid(Vec<f64>),
 }
 
 impl BodyShape {
@@ -53,6 +55,9 @@ impl BodyShape {
     }
 
     fn read_pieces(file_or_name: &str) -> Result<Self> {
+        if let Some(axes) = half_axes(file_or_name)? {
+            return Ok(Self::Ellipsoid(axes));
+        }
         if !file_or_name.contains('+') || Path::new(file_or_name).exists() {
             return Ok(Self::Shape(read_shape(file_or_name)?));
         }
@@ -69,6 +74,7 @@ impl BodyShape {
             Self::Rod(_) => 1,
             Self::Shape(shape) => shape.dimension(),
             Self::Pieces(shapes) => shapes[0].dimension(),
+            Self::Ellipsoid(axes) => axes.len(),
         }
     }
 
@@ -78,6 +84,7 @@ impl BodyShape {
             Self::Rod(length) => HardBody::ball(0.5 * length + rounding_radius)?,
             Self::Shape(shape) => HardBody::new(shape, rounding_radius)?,
             Self::Pieces(shapes) => HardBody::of_pieces(shapes, rounding_radius)?,
+            Self::Ellipsoid(axes) => ellipsoid(axes, rounding_radius)?,
         })
     }
 
@@ -95,6 +102,10 @@ impl BodyShape {
             Self::Rod(length) => return Self::Rod(scale * length).body(rounding_radius),
             Self::Shape(shape) => std::slice::from_ref(shape),
             Self::Pieces(shapes) => shapes,
+            Self::Ellipsoid(axes) => {
+                let axes: Vec<f64> = axes.iter().map(|axis| scale * axis).collect();
+                return ellipsoid(&axes, rounding_radius);
+            }
         };
         let scaled = shapes.iter().map(|shape| scaled(shape, scale));
         let scaled = scaled.collect::<Result<Vec<Shape>>>()?;
@@ -109,10 +120,25 @@ impl BodyShape {
             Self::Rod(length) => format!("rod {length}"),
             Self::Shape(shape) => format!("{shape:?}"),
             Self::Pieces(shapes) => format!("{shapes:?}"),
+            Self::Ellipsoid(axes) => format!("ellipsoid {axes:?}"),
         };
         text.push_str(cell_text.unwrap_or_default());
         sha256_hex(text.as_bytes())
     }
+}
+
+/// The ellipsoid with these half axes, which is round already.
+fn ellipsoid<const D: usize>(axes: &[f64], rounding_radius: f64) -> Result<HardBody<D>> {
+    if rounding_radius > 0.0 {
+        bail!("ellipses and ellipsoids are round already; leave out --rounding");
+    }
+    let Ok(axes) = <[f64; D]>::try_from(axes) else {
+        bail!(
+            "an ellipsoid with {} half axes is no body in {D} dimensions; give ellipse:A,B or ellipsoid:A,B,C",
+            axes.len()
+        );
+    };
+    Ok(HardBody::ellipsoid(axes)?)
 }
 
 /// The shape with all coordinates scaled.

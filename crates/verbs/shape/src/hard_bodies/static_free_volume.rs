@@ -113,6 +113,10 @@ pub fn static_free_volumes(settings: &StaticFreeVolumeSettings) -> Result<Static
         BodyShape::Rod(_) => {
             bail!("rods on a line have no free volume in space; give a polyhedron")
         }
+        BodyShape::Ellipsoid(_) => bail!(
+            "{} has no corners; this integral takes polyhedra and balls, rounded or not",
+            settings.shape
+        ),
         BodyShape::Pieces(_) => bail!(
             "{} has several pieces; this integral takes convex bodies. Let `hpmc run` sample it: --start, \
              --depletants RADIUS:0 and --sweeps 1",

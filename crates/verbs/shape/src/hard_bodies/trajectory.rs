@@ -62,6 +62,11 @@ pub(super) fn shape<const D: usize>(body: &HardBody<D>) -> Value {
     if body.is_round() {
         return json!({ "type": "Sphere", "diameter": 2.0 * rounding });
     }
+    if let Some(axes) = body.half_axes() {
+        // In a plane the third half axis is the shorter one, as the trajectories of contact dynamics have it.
+        let third = axes.get(2).copied().unwrap_or(axes[0].min(axes[D - 1]));
+        return json!({ "type": "Ellipsoid", "a": axes[0], "b": axes[D.min(2) - 1], "c": third });
+    }
     if let Some(pieces) = body.pieces() {
         return shape_of_pieces(pieces.pieces(), rounding);
     }

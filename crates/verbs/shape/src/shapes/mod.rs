@@ -178,7 +178,7 @@ pub fn read_shape(file_or_name: &str) -> Result<Shape> {
     if !path.exists() || path.is_dir() && named.is_ok() {
         if half_axes(file_or_name)?.is_some() {
             bail!(
-                "{file_or_name} has no corners; only `shape` and `md` take ellipses and ellipsoids"
+                "{file_or_name} has no corners; `shape`, `hpmc` and `md` take ellipses and ellipsoids, alone as a body"
             );
         }
         return Ok(named?);

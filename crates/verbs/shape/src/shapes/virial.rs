@@ -143,7 +143,7 @@ impl Answer for VirialReport {
 ///
 /// # Errors
 /// For shapes that cannot be read or have different dimensions, a third coefficient of two shapes, depletants of
-/// concave bodies and ellipsoids, and numbers that make no sense.
+/// concave bodies and ellipsoids, rounded ellipsoids in triples, and numbers that make no sense.
 ///
 /// ```
 /// use protomer_shape_verbs::shapes::virial::{VirialSettings, virial_coefficients};
@@ -260,10 +260,6 @@ impl Member {
 
     fn with_itself(&self, settings: &VirialSettings) -> Result<VirialReport> {
         let sampled = match (&self.form, settings.triples) {
-            (Form::Ellipsoid(_), 1..) => bail!(
-                "{}: ellipsoids are not sampled; leave the triples out",
-                self.name
-            ),
             (Form::Pieces(_), 0) => bail!(
                 "{}: B2 of a concave body is sampled; add --triples 100000",
                 self.name
@@ -271,7 +267,7 @@ impl Member {
             (_, 0) => None,
             (Form::Pieces(pieces), count) => Some(self.sample(pieces, count, settings.seed)?),
             (_, count) => {
-                let body = BodyShape::Shape(self.convex()?.clone());
+                let body = BodyShape::read(&self.name)?;
                 Some(self.sample(&body, count, settings.seed)?)
             }
         };
@@ -429,6 +425,21 @@ mod tests {
         }
     }
 
+    /// Balls as ellipsoids have B3 = 5/8 B2².
+    #[test]
+    fn triples_of_ellipsoids_are_those_of_balls() {
+        let found = virial_coefficients(&VirialSettings {
+            triples: 20_000,
+            ..settings("ellipsoid:0.5,0.5,0.5", None)
+        });
+        let third = found.unwrap().third.unwrap();
+        let (ratio, error) = (third.b3_over_b2_squared, third.b3_over_b2_squared_error);
+        assert!(
+            (ratio - 0.625).abs() < 4.0 * error && error < 0.01,
+            "{ratio} ± {error}"
+        );
+    }
+
     #[test]
     fn the_error_of_the_third_coefficient_is_that_of_a_product() {
         let estimate = |mean, error| Estimate { mean, error };
@@ -495,7 +506,6 @@ mod tests {
         for (asked, words) in [
             (settings("cube", Some("polygon:4")), "one dimension"),
             (with_triples("cube", Some("cube")), "leave out the second"),
-            (with_triples("ellipsoid:1,1,2", None), "ellipsoids"),
             (settings("rod:1", None), "rods on a line"),
             (
                 VirialSettings {

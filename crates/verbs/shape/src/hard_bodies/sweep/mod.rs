@@ -19,6 +19,7 @@ use anyhow::{Context, Error, Result, bail};
 use equation::integrate;
 use protomer_common::answer::Answer;
 use protomer_io::atomic::write_bytes;
+use protomer_kernel::shape::ellipsoid::measures_of_ellipsoid;
 use protomer_kernel::shape::measures::Measures;
 use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, Settings, Shard, Work, carry_out,
@@ -267,12 +268,12 @@ impl<'a> Sweep<'a> {
             && run.field.is_none()
             // Depletants of fugacity 0 only measure free volumes.
             && run.depletants.iter().all(|kind| kind.fugacity == 0.0);
+        if !is_plain || self.settings.packing_fractions.is_empty() {
+            return Ok(None);
+        }
         let measures = match self.shape.single() {
-            Some(BodyShape::Shape(shape))
-                if is_plain && !self.settings.packing_fractions.is_empty() =>
-            {
-                Measures::from_shape(shape, run.rounding_radius)?
-            }
+            Some(BodyShape::Shape(shape)) => Measures::from_shape(shape, run.rounding_radius)?,
+            Some(BodyShape::Ellipsoid(axes)) => measures_of_ellipsoid(axes, 0.0)?,
             _ => return Ok(None),
         };
         Ok(Some(measures.b2 / measures.volume))
