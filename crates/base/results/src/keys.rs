@@ -165,8 +165,8 @@ fn with_hint(message: &str) -> String {
 /// assert_eq!(nearest("hexgon", ["square", "hexagon"]), Some("hexagon"));
 /// assert_eq!(nearest("circle", ["hexagon"]), None);
 /// ```
-pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let nearest = known
+pub fn nearest<'a>(wrong: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let nearest = words
         .into_iter()
         .min_by_key(|word| levenshtein(wrong, word))?;
     // One letter, and another for every three: more would suggest unrelated words.

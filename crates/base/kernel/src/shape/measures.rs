@@ -258,7 +258,7 @@ mod tests {
     fn a_thin_plate_is_the_limit_of_a_cuboid() {
         let plate = |height: f64| {
             let corner = |n: u32| {
-                let bit = |of: u32| f64::from(n >> of & 1);
+                let bit = |place: u32| f64::from(n >> place & 1);
                 Vec3::new(2.0 * bit(0), bit(1), height * bit(2))
             };
             let points: Vec<Vec3> = (0..8).map(corner).collect();

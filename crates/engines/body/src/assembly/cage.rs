@@ -61,7 +61,7 @@ impl CubicGroup {
         while number < group.len() && group.len() < self.order() {
             for generator in &generators {
                 let product = generator * group[number];
-                if group.iter().all(|known| known.angle_to(&product) > 1e-3) {
+                if group.iter().all(|member| member.angle_to(&product) > 1e-3) {
                     group.push(product);
                 }
             }

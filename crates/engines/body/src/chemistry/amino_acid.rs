@@ -176,8 +176,8 @@ impl AminoAcid {
     /// assert_eq!(AminoAcid::of_residue("G"), None);
     /// ```
     pub fn of_residue(name: &str) -> Option<Self> {
-        for (amino_acid, known, ..) in TABLE {
-            if known == name {
+        for (amino_acid, letters, ..) in TABLE {
+            if letters == name {
                 return Some(amino_acid);
             }
         }

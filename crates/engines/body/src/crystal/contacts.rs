@@ -85,8 +85,9 @@ pub fn crystal_contacts(
             for operation in &group {
                 for (pose, shift) in axes.copies_near(operation, second, first) {
                     // A copy by g and one by its inverse make the same contact of a chain with itself.
-                    let is_known =
-                        |known: &Pose| is_same && puts_alike(&second.atoms, known, &pose.inverse());
+                    let is_known = |earlier: &Pose| {
+                        is_same && puts_alike(&second.atoms, earlier, &pose.inverse())
+                    };
                     if is_same && puts_alike(&second.atoms, &pose, &Pose::identity())
                         || motions.iter().any(is_known)
                     {

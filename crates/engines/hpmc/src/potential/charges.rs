@@ -87,10 +87,11 @@ impl<const D: usize> Charges<D> {
     fn sum(&self, pair: &PosedPair<'_, D>, function: impl Fn(&[f64; D]) -> f64) -> f64 {
         let [first, second] = pair.rotations.map(|rotation| self.turned(rotation));
         let mut sum = 0.0;
-        for (here, (_, charge)) in first.iter().zip(&self.sites) {
-            for (there, (_, other)) in second.iter().zip(&self.sites) {
-                let apart =
-                    std::array::from_fn(|axis| pair.offset[axis] + there[axis] - here[axis]);
+        for (first_site, (_, charge)) in first.iter().zip(&self.sites) {
+            for (second_site, (_, other)) in second.iter().zip(&self.sites) {
+                let apart = std::array::from_fn(|axis| {
+                    pair.offset[axis] + second_site[axis] - first_site[axis]
+                });
                 sum += charge * other * function(&apart);
             }
         }

@@ -121,7 +121,7 @@ impl Charged {
             return self;
         };
         // Beyond its reach the table gives no value, and the direct sum steps in.
-        let table = |of: &ChargeCloud| Arc::new(Table::new(of, &self.yukawa, reach));
+        let table = |charges: &ChargeCloud| Arc::new(Table::new(charges, &self.yukawa, reach));
         let first = table(&self.first);
         let second = match are_equal {
             true => Arc::clone(&first),
@@ -193,19 +193,20 @@ impl PairPotential for Charged {
 
     fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {
         // The direct sum, charge by charge: shares are for reports, not for moves.
-        for (at, charge) in self.first.iter() {
+        for (first_place, charge) in self.first.iter() {
             let mut energy_kt = 0.0;
             for (place, other) in self.second.iter() {
-                let apart = (second_in_first.transform_point(&place) - at).norm();
+                let apart = (second_in_first.transform_point(&place) - first_place).norm();
                 energy_kt += charge * other * self.yukawa.energy_kt(apart);
             }
-            take(0, &at, energy_kt);
+            take(0, &first_place, energy_kt);
         }
         for (place, charge) in self.second.iter() {
-            let at = second_in_first.transform_point(&place);
+            let moved_place = second_in_first.transform_point(&place);
             let mut energy_kt = 0.0;
-            for (other_at, other) in self.first.iter() {
-                energy_kt += charge * other * self.yukawa.energy_kt((at - other_at).norm());
+            for (other_place, other) in self.first.iter() {
+                energy_kt +=
+                    charge * other * self.yukawa.energy_kt((moved_place - other_place).norm());
             }
             take(1, &place, energy_kt);
         }

@@ -139,8 +139,9 @@ impl<'a> Flexible<'a> {
         uniform: f64,
     ) -> Option<Moved> {
         let (region, reference) = (&self.regions[body], self.reference(body));
-        let place =
-            |of: &Configuration| region.place(&of.poses[body].then(&of.poses[reference].inverse()));
+        let place = |configuration: &Configuration| {
+            region.place(&configuration.poses[body].then(&configuration.poses[reference].inverse()))
+        };
         let present = place(configuration);
         let [a, b] = between.map(place);
         let next = present + scale * (a - b);
@@ -188,11 +189,11 @@ impl<'a> Flexible<'a> {
             return None;
         }
         let bodies = &self.part.bodies;
-        let energy_kt = |(other, at): (usize, &Pose)| match other == body {
+        let energy_kt = |(other, other_pose): (usize, &Pose)| match other == body {
             true => 0.0,
             false => self
                 .energies
-                .energy_kt(bodies[body], bodies[other], pose, at),
+                .energy_kt(bodies[body], bodies[other], pose, other_pose),
         };
         Some(poses.iter().enumerate().map(energy_kt).collect())
     }
@@ -201,8 +202,11 @@ impl<'a> Flexible<'a> {
     pub fn overlaps(&self, poses: &[Pose], body: usize, pose: &Pose) -> bool {
         let bodies = &self.part.bodies;
         let mut others = poses.iter().enumerate();
-        others.any(|(other, at)| {
-            other != body && self.energies.overlap(bodies[body], bodies[other], pose, at)
+        others.any(|(other, other_pose)| {
+            other != body
+                && self
+                    .energies
+                    .overlap(bodies[body], bodies[other], pose, other_pose)
         })
     }
 

@@ -669,7 +669,7 @@ pub(super) fn attached(runs: &[Run], summaries: &[Summary], limit_angstrom: f64)
         .flat_map(|run| &run.configurations)
         .map(Configuration::energy_kt);
     let energies: Vec<f64> = energies.collect();
-    let mean = |of: &dyn Fn(&Summary) -> f64| summaries.iter().map(of).sum::<f64>() / count;
+    let mean = |value: &dyn Fn(&Summary) -> f64| summaries.iter().map(value).sum::<f64>() / count;
     Attached {
         ln_partition: moments.mean(),
         ln_partition_error: (moments.variance() / count).max(expected).sqrt(),

@@ -203,9 +203,9 @@ impl Ball {
         // By symmetry of the ball one axis stands for all three.
         let sum = |number: &dyn Fn(&[f64; COEFFICIENTS]) -> f64| monomials.iter().map(number).sum();
         Self {
-            second: sum(&|of| of[4]),
-            fourth: sum(&|of| of[4] * of[4]),
-            mixed: sum(&|of| of[4] * of[5]),
+            second: sum(&|row| row[4]),
+            fourth: sum(&|row| row[4] * row[4]),
+            mixed: sum(&|row| row[4] * row[5]),
             points,
             monomials,
         }
@@ -231,7 +231,10 @@ impl Ball {
             let coefficients = self.solve(&sums);
             let remainder = |(value, monomials): (&Lanes, &[f64; COEFFICIENTS])| {
                 let terms = coefficients.iter().zip(monomials);
-                terms.map(|(of, monomial)| of * monomial).sum::<f64>() - f64::from(value[lane])
+                terms
+                    .map(|(coefficient, monomial)| coefficient * monomial)
+                    .sum::<f64>()
+                    - f64::from(value[lane])
             };
             let (mut squares, mut largest) = (0.0, 0.0_f64);
             for remainder in values.iter().zip(&self.monomials).map(remainder) {
@@ -242,8 +245,8 @@ impl Ball {
             // The largest counts only in part: it is often a
             // corner of the ball that touches the surface.
             remainders[lane] = typical.max(SHARE_OF_LARGEST * largest) as f32;
-            for (of, coefficient) in found.iter_mut().zip(coefficients) {
-                of[lane] = coefficient as f32;
+            for (row, coefficient) in found.iter_mut().zip(coefficients) {
+                row[lane] = coefficient as f32;
             }
         }
         Polynomial::new(&found, remainders)

@@ -153,12 +153,12 @@ fn row(parameters: BTreeMap<String, f64>, found: Result<Report>) -> ScanRow {
             problem: Some(format!("{error:#}")),
         },
         Ok(report) => {
-            let known = report
+            let ratios = report
                 .polar
                 .iter()
                 .filter_map(|d| Some((d.nu?, d.angle_deg)));
             // Of directions that differ by rounding only, the first.
-            let least = known.reduce(|least, next| {
+            let least = ratios.reduce(|least, next| {
                 let is_less = next.0 < least.0 - ROUNDING * least.0.abs().max(1.0);
                 if is_less { next } else { least }
             });

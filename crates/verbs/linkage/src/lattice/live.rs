@@ -63,8 +63,8 @@ fn given(mut arrays: Arrays) -> Result<GivenState> {
         bail!("there are no positions; give a row with x and y for each square");
     };
     let count = places.len() / 2;
-    let mut of = |column: Column| take(&mut arrays, column, Some(count));
-    let (angles, velocities, spins) = (of(COLUMNS[1])?, of(COLUMNS[2])?, of(COLUMNS[3])?);
+    let mut taken = |column: Column| take(&mut arrays, column, Some(count));
+    let (angles, velocities, spins) = (taken(COLUMNS[1])?, taken(COLUMNS[2])?, taken(COLUMNS[3])?);
     refuse_others(&arrays, &COLUMNS)?;
     let Some(angles) = angles else {
         bail!("there are no angles; give one for each square, in radians");

@@ -62,7 +62,7 @@ impl Viewer {
         let mut kinds: Vec<&str> = Vec::new();
         for (number, copy) in placed.copies.iter().enumerate() {
             let name = copy.body.name.as_str();
-            let kind = kinds.iter().position(|known| *known == name);
+            let kind = kinds.iter().position(|earlier| *earlier == name);
             let kind = kind.unwrap_or_else(|| {
                 kinds.push(name);
                 kinds.len() - 1

@@ -58,7 +58,10 @@ pub fn alpha_cristobalite(scale: f64, ks: f64, kh: f64) -> Result<Framework> {
                     .rods
                     .push(rod(corner.node, seen_from(corner, other), ks));
             }
-            let others = corners.iter().enumerate().filter(|(at, _)| *at != index);
+            let others = corners
+                .iter()
+                .enumerate()
+                .filter(|(place, _)| *place != index);
             let others: Vec<_> = others.map(|(_, other)| seen_from(corner, other)).collect();
             tetrahedra[corner.node].push(others);
         }

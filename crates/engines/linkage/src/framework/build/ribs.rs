@@ -218,9 +218,9 @@ pub fn chiral(
         let near = neighbour(spoke, -image[0], -image[1]);
         framework.rods.push(rod(spoke, far.clone(), ks));
         if kh != 0.0 {
-            let [here, there] = [neighbour(spoke, 0, 0), neighbour(spoke + half, 0, 0)];
-            framework.hinges.push(hinge(spoke, [there, far], kh));
-            framework.hinges.push(hinge(spoke + half, [here, near], kh));
+            let [own, opposite] = [neighbour(spoke, 0, 0), neighbour(spoke + half, 0, 0)];
+            framework.hinges.push(hinge(spoke, [opposite, far], kh));
+            framework.hinges.push(hinge(spoke + half, [own, near], kh));
         }
     }
     Ok(framework)

@@ -36,14 +36,14 @@ pub struct Certified {
     cells: Vec<Arc<Cells>>,
     far: FarEnergies,
     reach: Reach,
-    energies: PairTable<Arc<Known>>,
-    proposed: Vec<Arc<Known>>,
+    energies: PairTable<Arc<PoseEnergies>>,
+    proposed: Vec<Arc<PoseEnergies>>,
     decided: DecidedByBounds,
 }
 
 /// Energies known of a pair of bodies at one pose.
 #[derive(Debug)]
-struct Known {
+struct PoseEnergies {
     bodies: (usize, usize),
     types: (usize, usize),
     /// Poses of the images of the second body that count, in the frame of the first.
@@ -56,7 +56,7 @@ struct Known {
 
 /// One energy in a decision: of a pair after the move, or before it with the opposite sign.
 struct Summand {
-    energies: Arc<Known>,
+    energies: Arc<PoseEnergies>,
     sign: f64,
     level: usize,
     interval: Interval,
@@ -108,7 +108,7 @@ impl Certified {
     }
 
     /// The pair at its present pose; `None` beyond the reach.
-    fn stored(&self, pair: &Pair<'_>) -> Option<Arc<Known>> {
+    fn stored(&self, pair: &Pair<'_>) -> Option<Arc<PoseEnergies>> {
         // Before any allocation: most pairs that are asked for are out of reach.
         if !self.reach.is_met(pair) {
             return None;
@@ -122,10 +122,10 @@ impl Certified {
         &self,
         pair: &Pair<'_>,
         images: impl Iterator<Item = RelativePose>,
-    ) -> Option<Arc<Known>> {
+    ) -> Option<Arc<PoseEnergies>> {
         let (types, images) = (pair.type_indices(), images.collect::<SmallVec<_>>());
         let far_kt = |image: &RelativePose| self.far.energy(types, image.translation.norm());
-        let energies = Known {
+        let energies = PoseEnergies {
             bodies: (pair.first, pair.second),
             types,
             far_kt: images.iter().map(far_kt).sum(),
@@ -137,7 +137,7 @@ impl Certified {
     }
 
     /// The energy of a pair at one level; the error names a pair whose energy is not finite.
-    fn interval(&self, energies: &Known, level: usize) -> Result<Interval> {
+    fn interval(&self, energies: &PoseEnergies, level: usize) -> Result<Interval> {
         let (energy_kt, error_kt) = match level {
             // Somewhere between minus and plus the bound: zero is the middle.
             FAR => (0.0, energies.far_kt),
@@ -156,7 +156,7 @@ impl Certified {
 
     /// The sum over the images, each with the charges of the second body in the cells of the first;
     /// `None` if one lies beyond them.
-    fn in_cells(&self, energies: &Known) -> Option<Interval> {
+    fn in_cells(&self, energies: &PoseEnergies) -> Option<Interval> {
         let (first, second) = energies.types;
         let (cells, charges) = (&self.cells[first], self.cells[second].charges());
         let add = |sum: Interval, image| {
@@ -171,7 +171,7 @@ impl Certified {
         *energies.in_cells.get_or_init(sum)
     }
 
-    fn direct_kt(&self, energies: &Known) -> Result<f64> {
+    fn direct_kt(&self, energies: &PoseEnergies) -> Result<f64> {
         let (first, second) = energies.types;
         let charges = [first, second].map(|index| self.cells[index].charges());
         let energy = |image| pair_energy_kt(&self.potential, charges[0], charges[1], image);
@@ -221,7 +221,7 @@ impl Certified {
 
     /// Reported energy: a function of the pose alone. Not a number where the direct sum is none,
     /// which every decision with this pair has refused.
-    fn reported(&self, energies: &Known) -> Interval {
+    fn reported(&self, energies: &PoseEnergies) -> Interval {
         // NaN and not zero: a broken pair must show.
         let unknown = Interval {
             energy_kt: f64::NAN,
@@ -233,7 +233,7 @@ impl Certified {
 
 impl Summand {
     /// A summand known from the distance alone.
-    fn new(energies: Arc<Known>, sign: f64) -> Self {
+    fn new(energies: Arc<PoseEnergies>, sign: f64) -> Self {
         let interval = Interval {
             energy_kt: 0.0,
             error_kt: energies.far_kt,
@@ -247,7 +247,7 @@ impl Summand {
     }
 
     /// Summand of a pair before the move.
-    fn before(energies: &Arc<Known>) -> Self {
+    fn before(energies: &Arc<PoseEnergies>) -> Self {
         Self::new(Arc::clone(energies), -1.0)
     }
 
@@ -284,7 +284,7 @@ impl EnergyModel for Certified {
     }
 
     fn pairs(&self, _: &System) -> Vec<PairEnergy> {
-        let reported = |(first, second, energies): (usize, usize, Arc<Known>)| {
+        let reported = |(first, second, energies): (usize, usize, Arc<PoseEnergies>)| {
             let energy_kt = self.reported(&energies).energy_kt;
             PairEnergy::found_at(first, second, energy_kt, energies.images.iter().copied())
         };

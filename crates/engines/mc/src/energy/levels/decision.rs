@@ -2,9 +2,9 @@
 
 use super::calibration::MULTIPLE;
 use super::far::{FarImages, Images};
-use super::known::{Known, Lists};
 use super::model::Levels;
 use super::pair_levels::{COARSE, DIRECT, EXPANDED, FINE};
+use super::stored::{Lists, PoseEnergies};
 use crate::Result;
 use crate::energy::finite;
 use crate::system::{Pair, Trial};
@@ -29,8 +29,8 @@ pub struct Decided {
 /// A pair in a decision: its energy after the move and before.
 pub(super) struct Change {
     partner: usize,
-    new: Option<Arc<Known>>,
-    old: Option<Arc<Known>>,
+    new: Option<Arc<PoseEnergies>>,
+    old: Option<Arc<PoseEnergies>>,
     level: usize,
     /// Change of the energy, kT, and its standard deviation.
     change_kt: f64,
@@ -50,7 +50,7 @@ impl Levels {
     /// The change of the energy of a pair at one level, kT, with its standard deviation.
     fn change(&self, trial: &Trial<'_>, change: &Change, level: usize) -> Result<(f64, f64)> {
         let (new, old) = (change.new.as_deref(), change.old.as_deref());
-        let energy = |energies: Option<&Known>| {
+        let energy = |energies: Option<&PoseEnergies>| {
             energies.map_or((0.0, 0.0), |energies| self.energy(energies, level))
         };
         let ((new_kt, new_variance), (old_kt, old_variance)) = (energy(new), energy(old));
@@ -133,7 +133,7 @@ impl Levels {
         &mut self,
         trial: &Trial<'_>,
         partner: usize,
-        (old, poses, lists): (Option<Arc<Known>>, Vec<RelativePose>, Lists),
+        (old, poses, lists): (Option<Arc<PoseEnergies>>, Vec<RelativePose>, Lists),
         images: Images,
     ) -> Result<Option<Change>> {
         let new = match poses.is_empty() {

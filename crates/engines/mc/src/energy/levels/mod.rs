@@ -21,7 +21,7 @@
 //! A decision (`decision`) starts at the first level with an error by a variance model and goes up, the
 //! least certain pair first, while the random number is within [`MULTIPLE`] standard deviations of the
 //! change of the energy and the bounds of far images. The energies of one pair at each level are in
-//! `pair_levels`, what was found for it in `known`; `model` keeps these from move to move. The scale of
+//! `pair_levels`, what was found for it in `stored`; `model` keeps these from move to move. The scale of
 //! the variance model is found by comparison of the levels (`calibration`).
 #![allow(
     clippy::needless_range_loop,
@@ -37,7 +37,6 @@ mod field;
 mod fine;
 mod fine_energy;
 mod fit;
-mod known;
 mod lanes;
 mod list;
 mod maker;
@@ -52,6 +51,7 @@ mod series;
 mod sharpening;
 mod split;
 mod storage;
+mod stored;
 mod table;
 mod tree;
 

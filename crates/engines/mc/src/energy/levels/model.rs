@@ -3,9 +3,9 @@
 use super::calibration::Calibration;
 use super::decision::{Changes, Decided};
 use super::far::{Far, Images};
-use super::known::{Known, Lists};
 use super::lanes::prefetch;
 use super::list::List;
+use super::stored::{Lists, PoseEnergies};
 use super::table::Table;
 use crate::energy::direct::direct_energy_kt;
 use crate::energy::reach::{Reach, require_room};
@@ -27,8 +27,8 @@ pub struct Levels {
     pub(super) tolerance_kt: Option<f64>,
     pub(super) reach: Reach,
     pub(super) far: Far,
-    pub(super) energies: PairTable<Arc<Known>>,
-    pub(super) proposed: Vec<(usize, usize, Arc<Known>)>,
+    pub(super) energies: PairTable<Arc<PoseEnergies>>,
+    pub(super) proposed: Vec<(usize, usize, Arc<PoseEnergies>)>,
     pub(super) decided: Decided,
     pub(super) first_energies: u64,
 }
@@ -143,7 +143,7 @@ impl Levels {
 }
 
 /// Returns what is known of a pair, if its energy is finite.
-fn checked(pair: &Pair<'_>, energies: Arc<Known>) -> Result<Arc<Known>> {
+fn checked(pair: &Pair<'_>, energies: Arc<PoseEnergies>) -> Result<Arc<PoseEnergies>> {
     finite(pair.first, pair.second, energies.expanded_kt)?;
     Ok(energies)
 }
@@ -152,7 +152,7 @@ fn checked(pair: &Pair<'_>, energies: Arc<Known>) -> Result<Arc<Known>> {
 struct Reported {
     first: usize,
     second: usize,
-    near: Option<Arc<Known>>,
+    near: Option<Arc<PoseEnergies>>,
     energy_kt: f64,
     error_kt: f64,
 }

@@ -3,11 +3,11 @@
 
 use super::calibration::MULTIPLE;
 use super::far::Images;
-use super::known::{Image, Known, Lists};
 use super::list::List;
 use super::maker::COARSE_OPENING;
 use super::model::Levels;
 use super::sharpening::STEPS;
+use super::stored::{Image, Lists, PoseEnergies};
 use super::table::{Estimate, Table, fine_deviation};
 use crate::Result;
 use crate::energy::{finite, pair_energy_kt};
@@ -57,7 +57,7 @@ impl Levels {
     }
 
     /// The pair at its present pose, with its near images or those farther away; `None` without any.
-    pub(super) fn stored(&self, pair: &Pair<'_>, images: Images) -> Option<Arc<Known>> {
+    pub(super) fn stored(&self, pair: &Pair<'_>, images: Images) -> Option<Arc<PoseEnergies>> {
         let poses = self.image_poses(pair, images);
         match poses.is_empty() {
             true => None,
@@ -71,7 +71,7 @@ impl Levels {
         pair: &Pair<'_>,
         poses: Vec<RelativePose>,
         mut lists: Lists,
-    ) -> Arc<Known> {
+    ) -> Arc<PoseEnergies> {
         let (first, second) = self.tables_of(pair.type_indices());
         let (mut images, mut expanded_kt) = (SmallVec::with_capacity(poses.len()), Some(0.0));
         for (number, relative) in poses.into_iter().enumerate() {
@@ -102,7 +102,7 @@ impl Levels {
                 ranking: OnceLock::new(),
             });
         }
-        let mut energies = Known {
+        let mut energies = PoseEnergies {
             types: pair.type_indices(),
             images,
             expanded_kt: 0.0,
@@ -116,7 +116,7 @@ impl Levels {
     }
 
     /// The energy of a pair at one level, kT, and its variance.
-    pub(super) fn energy(&self, energies: &Known, level: usize) -> (f64, f64) {
+    pub(super) fn energy(&self, energies: &PoseEnergies, level: usize) -> (f64, f64) {
         match level {
             EXPANDED | COARSE => {
                 let images = energies.images.iter();
@@ -138,7 +138,7 @@ impl Levels {
 
     /// The energy of a pair that is reported: a function of its pose alone. With the level and the
     /// error it is likely within, kT.
-    pub(super) fn reported(&self, energies: &Known, images: Images) -> (f64, usize, f64) {
+    pub(super) fn reported(&self, energies: &PoseEnergies, images: Images) -> (f64, usize, f64) {
         let first = match (images, self.tolerance_kt) {
             (Images::Near, None) => FINE,
             _ => COARSE,
@@ -156,7 +156,7 @@ impl Levels {
     }
 
     /// The sum over the images, each with all points of its list.
-    fn coarse_kt(&self, energies: &Known) -> f64 {
+    fn coarse_kt(&self, energies: &PoseEnergies) -> f64 {
         let first = self.tables_of(energies.types).0;
         let energy = |image: &Image| {
             let far_kt = image.list.far_energy(first, &image.relative)?;
@@ -170,7 +170,7 @@ impl Levels {
 
     /// The energy from the fine tables after so many steps of sharpening; the direct sum where they
     /// end before.
-    fn fine_estimate(&self, energies: &Known, steps: usize) -> Estimate {
+    fn fine_estimate(&self, energies: &PoseEnergies, steps: usize) -> Estimate {
         let fine = energies.fine.get_or_init(Box::default);
         *fine[steps].get_or_init(|| {
             let estimate = match steps.checked_sub(1) {
@@ -186,7 +186,7 @@ impl Levels {
 
     /// The sum over the images, each with the charges of the second body in the fine table of the
     /// first.
-    fn in_fine_tables(&self, energies: &Known) -> Option<Estimate> {
+    fn in_fine_tables(&self, energies: &PoseEnergies) -> Option<Estimate> {
         let (first, second) = self.tables_of(energies.types);
         let (mut energy_kt, mut variance) = (0.0, 0.0);
         for image in &energies.images {
@@ -201,7 +201,7 @@ impl Levels {
     }
 
     /// The estimate before this step of sharpening, with what the step adds.
-    fn sharpened(&self, energies: &Known, step: usize) -> Option<Estimate> {
+    fn sharpened(&self, energies: &PoseEnergies, step: usize) -> Option<Estimate> {
         let (first, second) = self.tables_of(energies.types);
         // Each step builds on the one before, which is computed here if it was not yet.
         let (mut energy_kt, mut variance) = (self.fine_estimate(energies, step).energy_kt, 0.0);
@@ -226,7 +226,7 @@ impl Levels {
         (scale * fine_deviation(modelled)).powi(2)
     }
 
-    fn direct_kt(&self, energies: &Known) -> f64 {
+    fn direct_kt(&self, energies: &PoseEnergies) -> f64 {
         // Kept: the most expensive number of the pair.
         *energies.direct_kt.get_or_init(|| {
             let (first, second) = self.tables_of(energies.types);
@@ -254,7 +254,12 @@ impl Levels {
 
     /// Variance of the change of the energy of a pair, kT². Errors from the same points cancel, the
     /// more so the less the pair has moved.
-    pub(super) fn change_variance(&self, new: &Known, old: &Known, level: usize) -> f64 {
+    pub(super) fn change_variance(
+        &self,
+        new: &PoseEnergies,
+        old: &PoseEnergies,
+        level: usize,
+    ) -> f64 {
         let mut variance = 0.0;
         // Images appear and vanish at the border; one
         // without a partner counts with its whole error.

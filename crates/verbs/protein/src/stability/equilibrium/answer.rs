@@ -38,11 +38,11 @@ impl Answer for StabilityResult {
 impl StabilityResult {
     /// The proposed box, and its use.
     fn box_in_words(&self) -> String {
-        let at = concentration_in_words(self.settings.concentration_molar[0]);
+        let concentration = concentration_in_words(self.settings.concentration_molar[0]);
         self.proposed_box_angstrom
             .map_or(String::new(), |edge| {
                 format!(
-                    "box: {edge:.0} Å for {} bodies at {at}; mass action needs none, simulate and sweep take it from \
+                    "box: {edge:.0} Å for {} bodies at {concentration}; mass action needs none, simulate and sweep take it from \
                      assembly/assembly.json",
                     self.bodies
                 )

@@ -108,11 +108,11 @@ fn native_kt(interacting: &Interacting, poses: &[Pose], names: &[String]) -> Res
 }
 
 fn neighbours(touching: &[Vec<bool>], holds: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
-    let of = |i: usize| {
+    let neighbours_of = |i: usize| {
         let others = 0..touching.len();
         others.filter(|j| touching[i][*j] && holds(i, *j)).collect()
     };
-    (0..touching.len()).map(of).collect()
+    (0..touching.len()).map(neighbours_of).collect()
 }
 
 /// Error for bodies that are not connected.

@@ -268,14 +268,14 @@ impl StabilityResult {
 
     /// Salt of half yield in words.
     pub fn headline(&self) -> String {
-        let at = concentration_in_words(self.settings.concentration_molar[0]);
+        let concentration = concentration_in_words(self.settings.concentration_molar[0]);
         match (self.half_salt_molar, self.half_salt_interval_molar) {
             (Some(salt_molar), Some([low, high])) => {
                 let end = |end: Option<f64>| {
                     end.map_or("open".into(), |molar| format!("{:.0}", 1e3 * molar))
                 };
                 format!(
-                    "half of the bodies are in whole assemblies at {:.0} mM of salt (95 %: {} to {} mM), at {at} of bodies",
+                    "half of the bodies are in whole assemblies at {:.0} mM of salt (95 %: {} to {} mM), at {concentration} of bodies",
                     1e3 * salt_molar,
                     end(low),
                     end(high)
@@ -293,7 +293,7 @@ impl StabilityResult {
                     }
                     _ => "the yield does not cross one half",
                 };
-                format!("{side}, at {at} of bodies")
+                format!("{side}, at {concentration} of bodies")
             }
         }
     }

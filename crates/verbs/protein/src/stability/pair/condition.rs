@@ -92,7 +92,10 @@ impl<'a> Condition<'a> {
     fn sampling(&self) -> Result<PairSettings> {
         let mut sampling = self.settings.sampling;
         if let Some(error) = self.settings.b22_error_mol_ml_per_g2 {
-            let bodies = self.bodies.each_ref().map(|of| of.body.as_ref());
+            let bodies = self
+                .bodies
+                .each_ref()
+                .map(|prepared| prepared.body.as_ref());
             let Some(per_b2) = b22_per_b2(bodies) else {
                 bail!(
                     "the molar mass of a body is not known, so its B22 has no error to reach; give \
@@ -111,17 +114,17 @@ impl<'a> Condition<'a> {
             return Ok(None);
         }
         let solute = self.settings.solute.unwrap_or_default();
-        let of = |prepared: &Prepared| -> Result<EffectiveCharges> {
+        let fitted = |prepared: &Prepared| -> Result<EffectiveCharges> {
             let store = self.effective_store;
             let charges = store.charges(&prepared.body, &self.interaction, &solute)?;
             Ok(charges.as_ref().clone())
         };
         let [first, second] = self.bodies;
-        let of_first = of(first)?;
+        let of_first = fitted(first)?;
         // Equal bodies are fitted once.
         let of_second = match self.are_equal() {
             true => of_first.clone(),
-            false => of(second)?,
+            false => fitted(second)?,
         };
         Ok(Some([of_first, of_second]))
     }
@@ -130,7 +133,9 @@ impl<'a> Condition<'a> {
     fn pair(&self, effective: Option<&[EffectiveCharges; 2]>) -> Result<BodyPair> {
         let [first, second] = self.bodies.each_ref().map(|body| Arc::clone(&body.kind));
         let clouds = match effective {
-            Some(effective) => effective.each_ref().map(|of| ChargeCloud::new(&of.charges)),
+            Some(effective) => effective
+                .each_ref()
+                .map(|fitted| ChargeCloud::new(&fitted.charges)),
             None => [first.charges.clone(), second.charges.clone()],
         };
         let mut potential = Terms::default();
@@ -203,7 +208,9 @@ impl<'a> Condition<'a> {
     fn narrow_well(&self, wells: &[Well]) -> Option<String> {
         const MISSED_KT: f64 = 1.0;
         let is_narrow = |well: &&Well| {
-            let missed = |of: &WellIntegral| of.lowest.energy_kt > of.minimum_kt + MISSED_KT;
+            let missed = |integral: &WellIntegral| {
+                integral.lowest.energy_kt > integral.minimum_kt + MISSED_KT
+            };
             well.integral.as_ref().is_some_and(missed)
         };
         let narrow = wells.iter().filter(is_narrow).count();
@@ -247,10 +254,10 @@ impl<'a> Condition<'a> {
         let net_effective = state
             .effective
             .as_ref()
-            .map(|of| of.each_ref().map(|charges| charges.charge_from_afar_e()));
+            .map(|pair| pair.each_ref().map(|charges| charges.charge_from_afar_e()));
         let mut warnings = Vec::new();
-        for (charges, of) in state.effective.iter().flatten().zip(self.bodies) {
-            warnings.extend(effective::warning(&of.body, charges));
+        for (charges, prepared) in state.effective.iter().flatten().zip(self.bodies) {
+            warnings.extend(effective::warning(&prepared.body, charges));
         }
         // Two equal bodies say the same.
         warnings.dedup();
@@ -352,7 +359,7 @@ impl Run for Condition<'_> {
             bail!("{}: the wells were not looked for", self.label());
         };
         let mut result = self.result(state, wells);
-        let bodies = self.bodies.each_ref().map(|of| &*of.body);
+        let bodies = self.bodies.each_ref().map(|prepared| &*prepared.body);
         let by_plain_charges = self.with_plain_charges(state)?;
         result.residues_by_plain_charges = by_plain_charges.is_some();
         let pair = by_plain_charges.as_ref().unwrap_or(&state.pair);

@@ -116,7 +116,10 @@ impl PairBodies {
             pairs.push(at_salts);
         }
         for pair in pairs.iter().flatten() {
-            warnings.extend(pair.iter().filter_map(|of| unknown_mass(&of.body)));
+            warnings.extend(
+                pair.iter()
+                    .filter_map(|prepared| unknown_mass(&prepared.body)),
+            );
         }
         warnings.dedup();
         let hashes = format!("{}{}", sha256(files[0])?, sha256(files[1])?);
@@ -171,8 +174,12 @@ impl PairBodies {
 
     /// The two bodies at a pH that was stated, at the first salt; those of body files for `None`.
     pub fn bodies_at(&self, ph: Option<f64>) -> Option<[&Body; 2]> {
-        let number = self.ph.iter().position(|known| *known == ph)?;
-        Some(self.pairs[number][0].each_ref().map(|of| &*of.body))
+        let number = self.ph.iter().position(|listed| *listed == ph)?;
+        Some(
+            self.pairs[number][0]
+                .each_ref()
+                .map(|prepared| &*prepared.body),
+        )
     }
 
     /// The same bodies with effective charges from elsewhere.

@@ -110,10 +110,13 @@ impl ResidueTable {
         for (index, line) in self.csv.lines().enumerate() {
             let number = index + 1;
             let row = cells(&self.path, number, line)?;
-            let at = || format!("{}:{number}", self.path);
+            let line_name = || format!("{}:{number}", self.path);
             if number == 1 {
                 if row != COLUMNS && row != COLUMNS[..EARLIER_COLUMNS] {
-                    bail!("{} has other columns than residues of a pair have", at());
+                    bail!(
+                        "{} has other columns than residues of a pair have",
+                        line_name()
+                    );
                 }
                 continue;
             }
@@ -130,7 +133,7 @@ impl ResidueTable {
             else {
                 bail!(
                     "{} has {} cells under {} columns",
-                    at(),
+                    line_name(),
                     row.len(),
                     COLUMNS.len()
                 );
@@ -141,7 +144,7 @@ impl ResidueTable {
             let body = match of_body {
                 "1" => 0,
                 "2" => 1,
-                _ => bail!("{} names body {of_body:?}; there are 1 and 2", at()),
+                _ => bail!("{} names body {of_body:?}; there are 1 and 2", line_name()),
             };
             // As a table has them.
             let is_named = |residue: &Residue| {
@@ -155,13 +158,13 @@ impl ResidueTable {
                 bail!(
                     "{} names the residue {name} {in_chain} of chain {chain:?}, which body {} does \
                      not have there",
-                    at(),
+                    line_name(),
                     of_body
                 );
             };
             let residue = next[body] + further;
             next[body] = residue + 1;
-            let energy: f64 = energy_kt.parse().with_context(at)?;
+            let energy: f64 = energy_kt.parse().with_context(line_name)?;
             energies[body][residue] = energy;
         }
         Ok(energies)

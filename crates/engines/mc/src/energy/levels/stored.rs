@@ -1,4 +1,4 @@
-//! What is known of a pair of bodies at one pose, and which lists serve it at another.
+//! Energies of a pair of bodies at one pose, and the lists that serve it at another.
 
 use super::list::List;
 use super::motion::Motion;
@@ -8,9 +8,9 @@ use protomer_kernel::pose::RelativePose;
 use smallvec::SmallVec;
 use std::sync::{Arc, OnceLock};
 
-/// Energies known of one pair of bodies at one pose.
+/// Energies of one pair of bodies at one pose.
 #[derive(Debug)]
-pub(super) struct Known {
+pub(super) struct PoseEnergies {
     /// The types of the two bodies.
     pub types: (usize, usize),
     /// Images of the second body; most pairs have one.
@@ -41,7 +41,7 @@ pub(super) struct Image {
 /// Lists that serve at the poses of a pair's images, with their slack there, Å.
 pub(super) type Lists = SmallVec<[Option<(Arc<List>, f32)>; 1]>;
 
-impl Known {
+impl PoseEnergies {
     /// The lists of the images that serve at these poses.
     pub fn lists_at(&self, poses: &[RelativePose]) -> Lists {
         let images = self.images.iter().zip(poses);
