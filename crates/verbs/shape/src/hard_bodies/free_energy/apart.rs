@@ -219,7 +219,7 @@ impl<const D: usize> Run for Strength<'_, D> {
             equilibrate(&mut open.walker, remaining_sweeps);
             return Ok(());
         }
-        // One row, with all that makes sweeps fast made anew: no bit depends on where a run was stopped or extended.
+        // One row, with all that makes sweeps fast made again: no bit depends on where a run was stopped or extended.
         open.walker.refresh();
         let extent = open.walker.run(SWEEPS_PER_ROW, false);
         open.log.append(&ExtentRow {

@@ -485,7 +485,7 @@ fn estimates(series: &[Vec<f64>]) -> Vec<Estimate> {
 
 /// Does a part of the equilibration, in which steps are tuned.
 fn equilibrate<const D: usize>(walker: &mut Walker<D>, remaining_sweeps: u64) {
-    // What makes sweeps fast is made anew here, so that a run goes on from a checkpoint as it would have.
+    // What makes sweeps fast is made again here, so that a run goes on from a checkpoint as it would have.
     walker.refresh();
     // Tuned now, since steps may not change while something is measured.
     walker.run(remaining_sweeps.min(EQUILIBRATION_AT_ONCE), true);
@@ -721,20 +721,27 @@ mod tests {
     use super::*;
     use protomer_results::Record;
 
-    #[test]
-    fn strengths_apart_give_the_same_bytes_for_any_number_of_parts() {
-        let folder = tempfile::tempdir().unwrap();
-        let settings = FreeEnergySettings {
+    /// Settings of a small crystal of squares.
+    fn squares(sweeps: u64) -> FreeEnergySettings {
+        FreeEnergySettings {
             shape: "polygon:4".into(),
             crystal: "square".into(),
             turn: vec![45.0],
             bodies: 36,
             packing_fraction: 0.85,
             equilibration: 100,
-            // Not whole rows.
-            sweeps: 310,
-            share: Share::Even,
+            sweeps,
             ..FreeEnergySettings::default()
+        }
+    }
+
+    #[test]
+    fn strengths_apart_give_the_same_bytes_for_any_number_of_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let settings = FreeEnergySettings {
+            share: Share::Even,
+            // Not whole rows.
+            ..squares(310)
         };
         let run = |settings: &FreeEnergySettings, name: &str| {
             let path = folder.path().join(name);
@@ -819,16 +826,7 @@ mod tests {
     #[test]
     fn a_free_energy_that_stops_and_goes_on_writes_the_same_bytes() {
         let folder = tempfile::tempdir().unwrap();
-        let short = FreeEnergySettings {
-            shape: "polygon:4".into(),
-            crystal: "square".into(),
-            turn: vec![45.0],
-            bodies: 36,
-            packing_fraction: 0.85,
-            equilibration: 100,
-            sweeps: 400,
-            ..FreeEnergySettings::default()
-        };
+        let short = squares(400);
         let long = FreeEnergySettings {
             sweeps: 800,
             ..short.clone()
