@@ -23,6 +23,7 @@
 //! | [`pair`] | two bodies: virial coefficient, mean force, association, bound poses |
 //! | [`parts`] | how much of an assembly there is: its connected parts, and mass action over them |
 //! | `nested` | nested sampling: the integral of a Boltzmann factor |
+//! | `prefetch` | requests for values ahead of their use |
 //! | [`settings`] | the settings of a simulation |
 //! | [`simulation`] | the loop |
 //! | [`exchange`] | a ladder of simulations that swap their states |
@@ -73,6 +74,7 @@ mod nested;
 pub mod observables;
 pub mod pair;
 pub mod parts;
+mod prefetch;
 pub mod reweighting;
 pub mod scatter;
 pub mod scattering;

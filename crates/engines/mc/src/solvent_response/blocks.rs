@@ -11,10 +11,16 @@
 //! is σ √(Σ w²) for independent sites and a remainder σ; where it is too much, the parts of the
 //! block count one by one.
 
+use super::Room;
 use super::lookup::{Lanes, SinglePose, Site};
-use super::quadratics::{COEFFICIENTS, Polynomial, Resolution, monomials};
+use super::quadratics::{COEFFICIENTS, Polynomial, Quadratics, Remainders, Resolution, monomials};
+use crate::prefetch::prefetch;
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::vectorised;
 use std::ops::Range;
+
+/// Blocks between the request for a polynomial and its use.
+const AHEAD: usize = 12;
 
 /// Levels of blocks, the largest blocks first.
 pub(super) const LEVELS: usize = 3;
@@ -43,15 +49,6 @@ pub(super) struct Block {
     pub parts: Range<usize>,
 }
 
-/// Judgement of the polynomial of a block, and the first term of its energy.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Estimate {
-    /// Whether the polynomial may stand for the table.
-    pub is_enough: bool,
-    /// Σ w times the polynomial at its point, kT.
-    pub constant_kt: f32,
-}
-
 /// A pose of the other body, and what it does to quadratic terms.
 pub(super) struct View {
     pub pose: SinglePose,
@@ -67,6 +64,61 @@ pub(super) fn resolution(level: usize) -> Resolution {
         radius_angstrom,
         // Half of the diagonal of a block: beyond it none of its sites is in the table.
         margin_angstrom: 0.5 * 3.0_f64.sqrt() * EDGES_ANGSTROM[level],
+    }
+}
+
+impl Quadratics {
+    vectorised!(
+        /// The energy of the open ranges of blocks by their moments, kT. The parts of blocks for which the polynomials are
+        /// not enough are open afterwards.
+        pub fn energy_of_blocks_kt[energy_avx512, energy_avx2, energy_any](
+            self: &Self,
+            blocks: &[Block],
+            view: &View,
+            room: &mut Room,
+        ) -> f64
+    );
+
+    // Most of the time goes to waiting for memory. So places, judgements and energies are three loops, and the first two
+    // request what the next one needs: remainders, which are small, and of the polynomials only those that serve.
+    #[inline(always)]
+    fn energy_any(&self, blocks: &[Block], view: &View, room: &mut Room) -> f64 {
+        let Room {
+            open,
+            parts,
+            places,
+            ..
+        } = room;
+        places.clear();
+        for number in open.drain(..).flatten() {
+            let near = self.near(&view.pose.transform(&blocks[number].centre));
+            // Beyond the grid no site of the block reaches the table, by the margin of the grid.
+            if !self.is_beyond(&near) {
+                prefetch(self.remainders(&near));
+                places.push((near, number));
+            }
+        }
+        places.retain(|(near, number)| {
+            let block = &blocks[*number];
+            let is_enough = block.is_enough(self.remainders(near));
+            if !is_enough {
+                parts.push(block.parts.clone());
+            }
+            is_enough
+        });
+        for (near, _) in places.iter().take(AHEAD) {
+            prefetch(self.polynomial(near));
+        }
+        let mut sum_kt = 0.0;
+        for (turn, (near, number)) in places.iter().enumerate() {
+            if let Some((next, _)) = places.get(turn + AHEAD) {
+                prefetch(self.polynomial(next));
+            }
+            let (block, polynomial) = (&blocks[*number], self.polynomial(near));
+            sum_kt += f64::from(block.energy_kt(polynomial, &near.offset_angstrom, view));
+        }
+        std::mem::swap(open, parts);
+        sum_kt
     }
 }
 
@@ -162,31 +214,22 @@ impl Block {
         }
     }
 
-    /// Estimate by a polynomial near the centre: bound of the remainder and first term of the energy.
+    /// Whether a polynomial near the centre may stand for the table: a bound of what it leaves out.
     #[inline(always)]
-    pub fn estimate(&self, polynomial: &Polynomial) -> Estimate {
-        let (mut left_out_kt, mut constant_kt) = (0.0, 0.0);
-        for (lane, remainder) in polynomial.remainders().iter().enumerate() {
+    fn is_enough(&self, remainders: &Remainders) -> bool {
+        let mut left_out_kt = 0.0;
+        for (weight, remainder) in self.weight.iter().zip(remainders.kt_per_amount()) {
             // σ √(Σ w²) for each amount, and the amounts add at worst.
-            left_out_kt += self.weight[lane] * remainder;
-            constant_kt += self.moments[0][lane] * polynomial.coefficient(0, lane);
+            left_out_kt += weight * remainder;
         }
-        Estimate {
-            is_enough: left_out_kt <= TOLERANCE_KT,
-            constant_kt,
-        }
+        left_out_kt <= TOLERANCE_KT
     }
 
-    /// The other terms of the energy by a polynomial, kT.
+    /// The energy by a polynomial, kT.
     // One loop over the lanes with all of the work in it: compilers turn it into vector instructions, but shorter
     // ones into single numbers. The fourth lane is there for this only: capacitances are no part of blocks.
     #[inline(always)]
-    pub fn varying_kt(
-        &self,
-        polynomial: &Polynomial,
-        offset_angstrom: &[f32; 3],
-        view: &View,
-    ) -> f32 {
+    fn energy_kt(&self, polynomial: &Polynomial, offset_angstrom: &[f32; 3], view: &View) -> f32 {
         let m = &self.moments;
         let ([x, y, z], r) = (*offset_angstrom, &view.pose.rotation);
         let mut energy_kt = [0.0; 4];
@@ -200,7 +243,7 @@ impl Block {
             let along_z = of_z + 2.0 * z * zz + x * xz + y * yz;
             // b·u + u·C u is half of u·(b + gradient).
             let twice = x * (of_x + along_x) + y * (of_y + along_y) + z * (of_z + along_z);
-            let mut sum = m[0][lane] * (0.5 * twice);
+            let mut sum = m[0][lane] * (c(0) + 0.5 * twice);
             for axis in 0..3 {
                 // Rᵀ g: the gradient in the frame in which the moments are.
                 let along = r[0][axis] * along_x + r[1][axis] * along_y + r[2][axis] * along_z;

@@ -21,16 +21,13 @@ mod tests;
 use crate::Result;
 use crate::energy::terms::{PairPotential, Term};
 use crate::error::require;
-use blocks::{Block, Estimate, LEVELS, View};
-use lookup::{Lookup, SinglePose, Site};
+use blocks::{Block, LEVELS, View};
+use lookup::{Cell, Lanes, Lookup, SinglePose, Site};
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use quadratics::{Near, Quadratics};
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Number of blocks whose polynomials are loaded together.
-const TOGETHER: usize = 16;
 
 /// Charge (e), volume of low permittivity and volume without ions (Å³), capacitance (e²).
 pub type Amounts = [f64; 4];
@@ -85,12 +82,7 @@ impl ResponseBody {
             "two at least along each axis, with a value each",
             has_cells && grid.values.len() == points && grid.spacing_angstrom > 0.0,
         )?;
-        let table = Lookup {
-            origin_angstrom: grid.origin_angstrom,
-            spacing_angstrom: grid.spacing_angstrom,
-            shape: grid.shape,
-            values: grid.values,
-        };
+        let table = Lookup::new(grid);
         let low = table.origin_angstrom.abs();
         // The farthest corner of the grid, by the larger magnitude along each axis.
         let reach_angstrom = low.sup(&table.high_angstrom().abs()).norm();
@@ -127,79 +119,42 @@ impl ResponseBody {
 
     /// The energy of another body's sites in the table of this one, at a pose of the other body in the
     /// frame of this one, kT.
-    fn acting_on(&self, other: &Self, pose: &RelativePose) -> f64 {
+    fn acting_on(&self, other: &Self, pose: &RelativePose, room: &mut Room) -> f64 {
         let touches = self
             .table
             .touches_sphere(&pose.translation, other.radius_angstrom);
         // Nothing of the other body reaches the table: the usual case in a dilute system.
-        match touches {
-            true => {
-                let (largest, view) = (0..other.blocks[0].len(), View::new(pose));
-                self.energy_of_blocks(other, 0, largest, &view)
-                    + self.energy_of_sites(&other.responding, &view.pose)
-            }
-            false => 0.0,
+        if !touches {
+            return 0.0;
         }
-    }
-
-    /// The energy of blocks of a level, each by its moments or by its parts, kT.
-    fn energy_of_blocks(
-        &self,
-        other: &Self,
-        level: usize,
-        blocks: Range<usize>,
-        view: &View,
-    ) -> f64 {
-        let quadratics = &self.quadratics[level];
+        let view = View::new(pose);
         let mut sum_kt = 0.0;
-        for blocks in other.blocks[level][blocks].chunks(TOGETHER) {
-            // Loops without decisions first: the processor waits for all polynomials together, not one by one.
-            let mut places = [Near::default(); TOGETHER];
-            for (block, near) in blocks.iter().zip(&mut places) {
-                *near = quadratics.near(&view.pose.transform(&block.centre));
-            }
-            let mut estimates = [Estimate::default(); TOGETHER];
-            for ((block, near), estimate) in blocks.iter().zip(&places).zip(&mut estimates) {
-                // Computed for all, also beyond the grid: the zero polynomial stands there.
-                *estimate = block.estimate(quadratics.polynomial(near));
-            }
-            for ((block, near), estimate) in blocks.iter().zip(&places).zip(&estimates) {
-                // None of its sites reaches the table, by the margin of the grid.
-                if quadratics.is_beyond(near) {
-                    continue;
-                }
-                sum_kt += match estimate.is_enough {
-                    true => {
-                        let polynomial = quadratics.polynomial(near);
-                        let varying_kt = block.varying_kt(polynomial, &near.offset_angstrom, view);
-                        // Moments of the block in the polynomial.
-                        f64::from(estimate.constant_kt + varying_kt)
-                    }
-                    false => self.energy_of_parts(other, level, block, view),
-                };
-            }
+        room.open.clear();
+        room.open.push(0..other.blocks[0].len());
+        // Level by level and not block by block, so that many loads are on their way at once.
+        for level in 0..LEVELS {
+            let (quadratics, blocks) = (&self.quadratics[level], &other.blocks[level]);
+            sum_kt += quadratics.energy_of_blocks_kt(blocks, &view, room);
         }
-        sum_kt
+        let (table, pose) = (&self.table, &view.pose);
+        sum_kt += table.energy_of_sites_kt(&other.sites, &room.open, pose, &mut room.cells);
+        let all = 0..other.responding.len();
+        let all = std::slice::from_ref(&all);
+        sum_kt + table.energy_of_sites_kt(&other.responding, all, pose, &mut room.cells)
     }
+}
 
-    /// The energy of the parts of a block of a level, kT.
-    fn energy_of_parts(&self, other: &Self, level: usize, block: &Block, view: &View) -> f64 {
-        let parts = block.parts.clone();
-        // The smallest blocks consist of sites; those of other levels of blocks.
-        match level + 1 < LEVELS {
-            true => self.energy_of_blocks(other, level + 1, parts, view),
-            false => self.energy_of_sites(&other.sites[parts], &view.pose),
-        }
-    }
-
-    /// The energy of sites one by one, kT.
-    fn energy_of_sites(&self, sites: &[Site], pose: &SinglePose) -> f64 {
-        let mut sum_kt = 0.0;
-        for site in sites {
-            sum_kt += self.table.energy_kt(site, pose);
-        }
-        sum_kt
-    }
+/// Lists of what is left to do, kept from one level and one body to the next.
+#[derive(Default)]
+struct Room {
+    /// Ranges of blocks, or of sites, that no larger block stands for.
+    open: Vec<Range<usize>>,
+    /// Parts of the blocks of this level that are left open.
+    parts: Vec<Range<usize>>,
+    /// Blocks of this level and the polynomials next to them.
+    places: Vec<(Near, usize)>,
+    /// Cells of sites, and the amounts in them.
+    cells: Vec<(Cell, Lanes)>,
 }
 
 fn site((place, amounts): &(Vec3, Amounts)) -> Site {
@@ -229,9 +184,10 @@ impl PairPotential for SolventResponse {
     }
 
     fn energy_kt(&self, second_in_first: &RelativePose) -> f64 {
-        let inverse = second_in_first.inverse();
-        self.first.acting_on(&self.second, second_in_first)
-            + self.second.acting_on(&self.first, &inverse)
+        let (inverse, mut room) = (second_in_first.inverse(), Room::default());
+        let first = &self.first;
+        first.acting_on(&self.second, second_in_first, &mut room)
+            + self.second.acting_on(first, &inverse, &mut room)
     }
 
     fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {

@@ -22,24 +22,38 @@ const LEAST_RADIUS: f64 = 1.5;
 /// ball may reach into the surface of the body.
 const SHARE_OF_LARGEST: f64 = 0.3;
 
-/// Numbers of a polynomial: three for each coefficient, and the remainders.
+/// Numbers of a polynomial: three for each coefficient, and two that only fill the line of the cache.
 const NUMBERS: usize = 3 * COEFFICIENTS + 2;
 
-/// Polynomials about the points of a grid, x running fastest; the last one, zero, is for places beyond the grid.
+/// Points along the edge of a brick.
+const BRICK: usize = 4;
+
+/// Polynomials about the points of a grid; the last one, zero, is for places beyond the grid.
+// Neighbours in space are neighbours in memory: points lie in bricks, x running fastest in a brick and among bricks.
+// Blocks of a body that touches the grid then find their polynomials on few pages.
 #[derive(Debug)]
 pub(super) struct Quadratics {
     origin_angstrom: [f32; 3],
     spacing_angstrom: f32,
     shape: [usize; 3],
+    /// Bricks along x and y.
+    bricks: [usize; 2],
     polynomials: Vec<Polynomial>,
+    /// Remainders of the table around the polynomials, apart: they are judged before a polynomial is loaded.
+    remainders: Vec<Remainders>,
 }
 
-/// The coefficients in kT per amount and powers of Å, and what they leave of the table.
+/// The coefficients in kT per amount and powers of Å.
 // The tables of two bodies are larger than the near caches, and most of the time goes to waiting for them. So a
-// polynomial is two lines of the cache: three numbers per coefficient, and 16 bits per remainder at the end.
+// polynomial is two lines of the cache, with three numbers per coefficient.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(128))]
 pub(super) struct Polynomial([f32; NUMBERS]);
+
+/// Remainders of a table around a polynomial, kT per amount, as the upper halves of single-precision numbers.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(8))]
+pub(super) struct Remainders([u16; 4]);
 
 /// A place, by the polynomial next to it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -52,18 +66,9 @@ pub(super) struct Near {
 impl Polynomial {
     const ZERO: Self = Self([0.0; NUMBERS]);
 
-    fn new(coefficients: &[[f32; 3]; COEFFICIENTS], remainders: [f32; 3]) -> Self {
+    fn new(coefficients: &[[f32; 3]; COEFFICIENTS]) -> Self {
         let mut numbers = [0.0; NUMBERS];
         numbers[..3 * COEFFICIENTS].copy_from_slice(coefficients.as_flattened());
-        // The upper half of a number, rounded up.
-        let [first, second, third] = remainders.map(|remainder| match remainder {
-            0.0 => 0,
-            // Truncated and one more: rounded up, so a remainder is never understated.
-            remainder => (remainder.to_bits() >> 16) + 1,
-        });
-        // Two remainders of 16 bits in one number; as bits, since together they are no float.
-        numbers[NUMBERS - 2] = f32::from_bits(first << 16 | second);
-        numbers[NUMBERS - 1] = f32::from_bits(third << 16);
         Self(numbers)
     }
 
@@ -72,16 +77,24 @@ impl Polynomial {
     pub fn coefficient(&self, number: usize, lane: usize) -> f32 {
         self.0[3 * number + lane]
     }
+}
 
-    /// Remainders of the table around the polynomial, kT per amount.
+impl Remainders {
+    const ZERO: Self = Self([0; 4]);
+
+    fn new(kt_per_amount: [f32; 3]) -> Self {
+        let [first, second, third] = kt_per_amount.map(|remainder| match remainder {
+            0.0 => 0,
+            // Truncated and one more: rounded up, so a remainder is never understated.
+            remainder => ((remainder.to_bits() >> 16) + 1) as u16,
+        });
+        Self([first, second, third, 0])
+    }
+
+    /// The remainder for each kind of amount, kT per amount; the fourth is zero.
     #[inline(always)]
-    pub fn remainders(&self) -> [f32; 3] {
-        let (first, second) = (self.0[NUMBERS - 2].to_bits(), self.0[NUMBERS - 1].to_bits());
-        [
-            f32::from_bits(first & 0xffff_0000),
-            f32::from_bits(first << 16),
-            f32::from_bits(second),
-        ]
+    pub fn kt_per_amount(&self) -> Lanes {
+        self.0.map(|half| f32::from_bits(u32::from(half) << 16))
     }
 }
 
@@ -108,25 +121,50 @@ impl Quadratics {
         let points = |points: usize| ((points - 1) as f64 / steps).ceil() + 1.0 + 2.0 * margin;
         let shape = table.shape.map(|along| points(along) as usize);
         let ball = Ball::new(resolution.radius_angstrom, table.spacing_angstrom);
-        let [nx, ny, nz] = shape;
-        let mut polynomials: Vec<Polynomial> = (0..nx * ny * nz)
+        let [bricks_x, bricks_y, bricks_z] = shape.map(|points| points.div_ceil(BRICK));
+        let points = bricks_x * bricks_y * bricks_z * BRICK.pow(3);
+        let (mut polynomials, mut remainders): (Vec<_>, Vec<_>) = (0..points)
             .into_par_iter()
             .map(|number| {
-                let point = [number % nx, number / nx % ny, number / (nx * ny)];
+                let (brick, inside) = (number / BRICK.pow(3), number % BRICK.pow(3));
+                let corner = [
+                    brick % bricks_x,
+                    brick / bricks_x % bricks_y,
+                    brick / (bricks_x * bricks_y),
+                ];
+                let place = [
+                    inside % BRICK,
+                    inside / BRICK % BRICK,
+                    inside / BRICK.pow(2),
+                ];
+                let point: [usize; 3] =
+                    std::array::from_fn(|axis| corner[axis] * BRICK + place[axis]);
                 // From steps of the coarse grid to points of the table, the margin being negative.
                 let from_first = |place| (place as i64 - margin as i64) * steps as i64;
                 ball.fit(table, point.map(from_first))
             })
-            .collect();
+            .unzip();
         // One past the end, so that a place beyond the grid needs no branch in the fast loop.
         polynomials.push(Polynomial::ZERO);
+        remainders.push(Remainders::ZERO);
         let low = table.origin_angstrom.add_scalar(-margin * spacing_angstrom);
         Self {
             origin_angstrom: [0, 1, 2].map(|axis| low[axis] as f32),
             spacing_angstrom: spacing_angstrom as f32,
             shape,
+            bricks: [bricks_x, bricks_y],
             polynomials,
+            remainders,
         }
+    }
+
+    /// Number of the polynomial about a point.
+    #[inline(always)]
+    fn number(&self, point: [usize; 3]) -> usize {
+        let [x, y, z] = point.map(|along| along / BRICK);
+        let brick = (z * self.bricks[1] + y) * self.bricks[0] + x;
+        let [x, y, z] = point.map(|along| along % BRICK);
+        ((brick * BRICK + z) * BRICK + y) * BRICK + x
     }
 
     /// The polynomial next to a place (Å).
@@ -145,7 +183,7 @@ impl Quadratics {
             offset_angstrom[axis] = (steps - 0.5 - whole as f32) * self.spacing_angstrom;
         }
         let number = match is_inside {
-            true => (point[2] * self.shape[1] + point[1]) * self.shape[0] + point[0],
+            true => self.number(point),
             false => self.polynomials.len() - 1,
         };
         Near {
@@ -157,6 +195,12 @@ impl Quadratics {
     #[inline(always)]
     pub fn polynomial(&self, near: &Near) -> &Polynomial {
         &self.polynomials[near.number as usize]
+    }
+
+    /// Remainders of the polynomial next to a place.
+    #[inline(always)]
+    pub fn remainders(&self, near: &Near) -> &Remainders {
+        &self.remainders[near.number as usize]
     }
 
     /// Whether a place is beyond the grid.
@@ -211,8 +255,8 @@ impl Ball {
         }
     }
 
-    /// The polynomial about a point of a table.
-    fn fit(&self, table: &Lookup, centre: [i64; 3]) -> Polynomial {
+    /// The polynomial about a point of a table, and what it leaves of the table in the ball.
+    fn fit(&self, table: &Lookup, centre: [i64; 3]) -> (Polynomial, Remainders) {
         let value =
             |point: &[i64; 3]| table.at_point([0, 1, 2].map(|axis| centre[axis] + point[axis]));
         let values: Vec<Lanes> = self.points.iter().map(value).collect();
@@ -249,7 +293,7 @@ impl Ball {
                 row[lane] = coefficient as f32;
             }
         }
-        Polynomial::new(&found, remainders)
+        (Polynomial::new(&found), Remainders::new(remainders))
     }
 
     /// The coefficients from the sums of value times monomial: the trace of C decouples from its other part.
@@ -284,22 +328,23 @@ pub(super) fn monomials([x, y, z]: [f64; 3]) -> [f64; COEFFICIENTS] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ResponseGrid;
     use super::*;
     use protomer_kernel::Vec3;
 
     fn table(value: impl Fn(&Vec3) -> f64) -> Lookup {
-        let mut table = Lookup {
-            origin_angstrom: Vec3::new(-14.0, -15.0, -16.0),
+        let origin_angstrom = Vec3::new(-14.0, -15.0, -16.0);
+        let values = (0..29 * 31 * 33).map(|number| {
+            let point = [number % 29, number / 29 % 31, number / (29 * 31)];
+            let place = origin_angstrom + Vec3::from(point.map(|along| along as f64));
+            [value(&place) as f32, 0.0, 1.0, 0.0]
+        });
+        Lookup::new(ResponseGrid {
+            origin_angstrom,
             spacing_angstrom: 1.0,
             shape: [29, 31, 33],
-            values: Vec::new(),
-        };
-        for number in 0..29 * 31 * 33 {
-            let point = [number % 29, number / 29 % 31, number / (29 * 31)];
-            let place = table.origin_angstrom + Vec3::from(point.map(|along| along as f64));
-            table.values.push([value(&place) as f32, 0.0, 1.0, 0.0]);
-        }
-        table
+            values: values.collect(),
+        })
     }
 
     const RESOLUTION: Resolution = Resolution {
@@ -325,14 +370,14 @@ mod tests {
         }
         assert!((found[0] - value(&place)).abs() < 1e-5, "{found:?}");
         assert!((found[2] - 1.0).abs() < 1e-6, "{found:?}");
-        let remainders = polynomial.remainders();
+        let remainders = quadratics.remainders(&near).kt_per_amount();
         assert!(remainders.iter().all(|lane| *lane < 1e-5), "{remainders:?}");
     }
 
     #[test]
     fn remainders_are_kept_or_rounded_up() {
         let given = [0.0, 1.234e-3, 7.9];
-        let kept = Polynomial::new(&[[-1.0; 3]; COEFFICIENTS], given).remainders();
+        let kept = Remainders::new(given).kt_per_amount();
         for (kept, given) in kept.iter().zip(given) {
             assert!((given..=1.01 * given).contains(kept), "{kept} {given}");
         }
@@ -341,8 +386,11 @@ mod tests {
     #[test]
     fn a_step_is_no_polynomial_and_neither_is_the_end_of_a_table() {
         let quadratics = Quadratics::new(&table(|x| f64::from(u8::from(x.x > 2.0))), &RESOLUTION);
-        let remainder =
-            |place: [f32; 3]| quadratics.polynomial(&quadratics.near(&place)).remainders();
+        let remainder = |place: [f32; 3]| {
+            quadratics
+                .remainders(&quadratics.near(&place))
+                .kt_per_amount()
+        };
         assert!(remainder([2.0, 0.0, 0.0])[0] > 0.1);
         assert!(remainder([-8.0, 0.0, 0.0])[0] < 1e-6);
         assert!(remainder([13.0, 0.0, 0.0])[2] > 0.1);

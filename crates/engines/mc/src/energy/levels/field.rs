@@ -7,12 +7,13 @@
 //! decisions that need less use 63 of its coefficients, in a short form (`packed`).
 
 use super::fine::{FINE, Fine};
-use super::lanes::{BLOCK, prefetch};
+use super::lanes::BLOCK;
 use super::motion::length;
 use super::packed::{Head, Packed, pack};
 use super::sampler::Sites;
 use super::split::Split;
 use crate::charges::ChargeCloud;
+use crate::prefetch::prefetch;
 use protomer_kernel::chebyshev::Chebyshev;
 
 /// The near part ends this many innermost cells from a charge.

@@ -5,10 +5,11 @@
 
 use super::expansion::Expansion;
 use super::field::Spots;
-use super::lanes::{BLOCK, prefetch};
+use super::lanes::BLOCK;
 use super::motion::{Block, Motion};
 use super::near::NearPairs;
 use super::table::Table;
+use crate::prefetch::prefetch;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::vectorised;
 use std::sync::OnceLock;

@@ -3,7 +3,6 @@
 use super::calibration::Calibration;
 use super::decision::{Changes, Decided};
 use super::far::{Far, Images};
-use super::lanes::prefetch;
 use super::list::List;
 use super::stored::{Lists, PoseEnergies};
 use super::table::Table;
@@ -12,6 +11,7 @@ use crate::energy::reach::{Reach, require_room};
 use crate::energy::{
     Effort, EnergyModel, LevelReport, PairEnergy, Pairs, all_pairs, finite, sum_of_pairs,
 };
+use crate::prefetch::prefetch;
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{BodyType, Result};
