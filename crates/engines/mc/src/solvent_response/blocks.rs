@@ -29,9 +29,9 @@ const EDGES_ANGSTROM: [f64; LEVELS] = [24.0, 12.0, 6.0];
 /// The grids of polynomials for them: (spacing, radius of the balls), Å. A ball reaches about as far as the sites of
 /// a block do from their centre, and half of the way to the next polynomial.
 const GRIDS_ANGSTROM: [(f64, f64); LEVELS] = [(8.0, 18.0), (4.0, 9.0), (3.0, 4.0)];
-/// Largest estimate of what a block may leave out, kT. Sums of blocks then leave out 0.01 kT
-/// (docs/validation/solvent-response.md).
-const TOLERANCE_KT: f32 = 7e-3;
+/// Largest estimate of what a block may leave out, kT. Pairs of bodies then leave out 0.02 to
+/// 0.04 kT (docs/validation/solvent-response.md).
+const TOLERANCE_KT: f32 = 2e-2;
 /// The lowest block starts this part of the smallest edge below the lowest site, so that sites of a lattice lie
 /// within blocks and not on their faces.
 const PART_BELOW: f64 = 0.25;

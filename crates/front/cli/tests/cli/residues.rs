@@ -306,7 +306,7 @@ fn the_response_of_the_solvent_is_shared_out_among_residues() {
     assert!((of_residues - response_kt).abs() < 1e-9);
     // The energy of the run gathers charges on a lattice of 3 Å.
     let gathered_kt = term("solvent_response");
-    assert!(gathered_kt.abs() > 0.2, "{gathered_kt}");
+    assert!(gathered_kt.abs() > 0.1, "{gathered_kt}");
     assert!(
         (response_kt - gathered_kt).abs() < 0.2,
         "{response_kt} {gathered_kt}"
