@@ -106,7 +106,13 @@ pub(super) fn attach_by_windows(
     let runs: Vec<Result<Option<Separated>>> =
         smaller.runs.par_iter().enumerate().map(one).collect();
     let runs: Result<Option<Vec<Separated>>> = runs.into_iter().collect();
-    Ok(runs?.map(|separated| {
+    let in_part = |error| match error {
+        McError::BadSystem(cause) => {
+            McError::BadSystem(format!("the part of bodies {:?}: {cause}", part.bodies))
+        }
+        error => error,
+    };
+    Ok(runs.map_err(in_part)?.map(|separated| {
         let windows_found = together(&separated);
         let (runs, summaries): (Vec<Run>, Vec<Summary>) = separated
             .into_iter()
@@ -260,14 +266,23 @@ impl<'a> Weighing<'a> {
             mixture,
             limit_angstrom,
         };
-        if !weighing.ln_ratio().is_finite() {
-            return Err(McError::BadSystem(
-                "no window has the last body of a part in its place, or none has it far away; give more windows (--windows) or more \
-                 sweeps (--sweeps)"
-                    .into(),
-            ));
-        }
+        weighing.require_both_ends()?;
         Ok(weighing)
+    }
+
+    /// Refuses frames that are all at one end.
+    fn require_both_ends(&self) -> Result<()> {
+        let has = |ends_kt: &[f64]| ends_kt.iter().any(|kt| kt.is_finite());
+        let missing = match (has(&self.bound_kt), has(&self.free_kt)) {
+            (true, true) => return Ok(()),
+            (false, _) => format!(
+                "no window has its last body within {:.1} Å of its place: the other bodies leave no room there, or their well \
+                 lies elsewhere. Nested sampling (without --way biased) tells which",
+                self.limit_angstrom
+            ),
+            (true, false) => "no window has its last body far away; give more windows (--windows) or more sweeps (--sweeps)".into(),
+        };
+        Err(McError::BadSystem(missing))
     }
 
     /// ln Z_bound/Z_free.
