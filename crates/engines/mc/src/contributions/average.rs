@@ -5,7 +5,7 @@
 
 use super::state::{Contributions, PairContribution, StateEnergies};
 use crate::System;
-use crate::energy::terms::EnergyParts;
+use crate::energy::terms::{EnergyParts, PAIR_TERMS, PairParts, TERMS};
 use protomer_kernel::null;
 use protomer_kernel::statistics::RunningMoments;
 use serde::{Deserialize, Serialize};
@@ -45,12 +45,20 @@ struct Pairs {
     columns: usize,
 }
 
-/// Numbers of a residue: the four terms, whether it touches.
-const OF_RESIDUE: usize = 5;
-/// Numbers of a pair: charges, contacts, how many touch, whether any does.
-const OF_PAIR: usize = 4;
+/// Numbers of a residue: the terms, whether it touches, the sum of the terms.
+const OF_RESIDUE: usize = TERMS + 2;
+/// Numbers of a pair: the terms of pairs, how many touch, whether any does, the sum of the terms.
+const OF_PAIR: usize = PAIR_TERMS + 3;
 /// Means of a block, as listed for [`Averages::blocks`].
-const TOTALS: usize = 7;
+const TOTALS: usize = TERMS + 3;
+/// The first of them, energy of the charges.
+const CHARGES: usize = 0;
+/// Energy of the charges outside the contacts.
+const OUTSIDE: usize = TERMS;
+/// Energy of the charges between residues that do not touch each other.
+const APART: usize = TERMS + 1;
+/// Share of the residues that touch nothing.
+const UNTOUCHED: usize = TERMS + 2;
 
 /// Mean contribution of one residue, per copy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,7 +108,7 @@ impl Averages {
                 residues: of_kind.len(),
                 copies: of_type(kind),
             });
-            start += (OF_RESIDUE + 1) * of_kind.len();
+            start += OF_RESIDUE * of_kind.len();
         }
         for (first, rows) in contributions.kinds().iter().enumerate() {
             for (second, columns) in contributions.kinds().iter().enumerate().skip(first) {
@@ -109,7 +117,7 @@ impl Averages {
                     start,
                     columns: columns.len(),
                 });
-                start += (OF_PAIR + 1) * rows.len() * columns.len();
+                start += OF_PAIR * rows.len() * columns.len();
             }
         }
         Self {
@@ -127,16 +135,11 @@ impl Averages {
         for (copy, of_copy) in state.residues.iter().enumerate() {
             let kind = self.kinds[system.type_index(copy)];
             let per_copy = 1.0 / kind.copies as f64;
-            let rows = numbers[kind.start..].chunks_exact_mut(OF_RESIDUE + 1);
+            let rows = numbers[kind.start..].chunks_exact_mut(OF_RESIDUE);
             for (row, residue) in rows.zip(of_copy) {
                 let touches = f64::from(u8::from(residue.touches));
-                let values = with_total([
-                    residue.parts.charges_kt,
-                    residue.parts.contacts_kt,
-                    residue.parts.desolvation_kt,
-                    residue.parts.solvent_response_kt,
-                    touches,
-                ]);
+                let terms = residue.parts.values().into_iter();
+                let values = terms.chain([touches, residue.parts.total_kt()]);
                 for (sum, value) in row.iter_mut().zip(values) {
                     *sum += per_copy * value;
                 }
@@ -145,28 +148,17 @@ impl Averages {
             }
         }
         for (place, pairs) in self.pairs.iter().zip(&state.pairs) {
-            let rows = numbers[place.start..].chunks_exact_mut(OF_PAIR + 1);
+            let rows = numbers[place.start..].chunks_exact_mut(OF_PAIR);
             for (row, pair) in rows.zip(&pairs.pairs) {
                 let any = f64::from(u8::from(pair.touching > 0.0));
-                let values = [
-                    pair.charges_kt,
-                    pair.contacts_kt,
-                    pair.touching,
-                    any,
-                    pair.total_kt(),
-                ];
-                row.copy_from_slice(&values);
+                let (terms, others) = row.split_at_mut(PAIR_TERMS);
+                terms.copy_from_slice(&pair.parts.values());
+                others.copy_from_slice(&[pair.touching, any, pair.total_kt()]);
             }
         }
-        let totals = [
-            state.parts.charges_kt,
-            state.parts.contacts_kt,
-            state.parts.desolvation_kt,
-            state.parts.solvent_response_kt,
-            state.outside_kt,
-            state.apart_kt,
-            alone as f64 / residues as f64,
-        ];
+        let terms = state.parts.values().into_iter();
+        let alone = alone as f64 / residues as f64;
+        let totals = terms.chain([state.outside_kt, state.apart_kt, alone]);
         if let Some(block) = self.blocks.last_mut() {
             for (sum, total) in block.iter_mut().zip(totals) {
                 *sum += total;
@@ -202,17 +194,12 @@ impl Averages {
 
     /// A residue of a kind of body.
     pub fn residue(&self, kind: usize, residue: usize) -> ResidueMean {
-        let start = self.kinds[kind].start + residue * (OF_RESIDUE + 1);
+        let start = self.kinds[kind].start + residue * OF_RESIDUE;
         let mean = |offset: usize| self.numbers.mean(start + offset);
         ResidueMean {
-            energy_kt: self.numbers.mean_with_error(start + OF_RESIDUE),
-            parts: EnergyParts {
-                charges_kt: mean(0),
-                contacts_kt: mean(1),
-                desolvation_kt: mean(2),
-                solvent_response_kt: mean(3),
-            },
-            touching: mean(4),
+            energy_kt: self.numbers.mean_with_error(start + TERMS + 1),
+            parts: EnergyParts::from_values(std::array::from_fn(mean)),
+            touching: mean(TERMS),
         }
     }
 
@@ -226,16 +213,15 @@ impl Averages {
     /// second.
     pub fn pair(&self, pairs: usize, first: usize, second: usize) -> PairMean {
         let place = self.pairs[pairs];
-        let start = place.start + (first * place.columns + second) * (OF_PAIR + 1);
+        let start = place.start + (first * place.columns + second) * OF_PAIR;
         let mean = |offset: usize| self.numbers.mean(start + offset);
         PairMean {
-            energy_kt: self.numbers.mean_with_error(start + OF_PAIR),
+            energy_kt: self.numbers.mean_with_error(start + PAIR_TERMS + 2),
             parts: PairContribution {
-                charges_kt: mean(0),
-                contacts_kt: mean(1),
-                touching: mean(2),
+                parts: PairParts::from_values(std::array::from_fn(mean)),
+                touching: mean(PAIR_TERMS),
             },
-            touching: mean(3),
+            touching: mean(PAIR_TERMS + 1),
         }
     }
 
@@ -244,37 +230,37 @@ impl Averages {
         self.kinds[kind].residues
     }
 
-    /// The energy by terms: charges, contacts, desolvation, response of the solvent, kT.
-    pub fn energy_kt(&self) -> [Mean; 4] {
-        [0, 1, 2, 3].map(|index| self.total(index))
+    /// The energy by terms, kT.
+    pub fn energy_kt(&self) -> EnergyParts<Mean> {
+        EnergyParts::from_values(std::array::from_fn(|term| self.total(term)))
     }
 
     /// The energy, kT.
     pub fn total_kt(&self) -> Mean {
-        let of_block = |block: &[f64; TOTALS]| block[..4].iter().sum();
+        let of_block = |block: &[f64; TOTALS]| block[..TERMS].iter().sum();
         let blocks: Vec<f64> = self.ended().iter().map(of_block).collect();
         mean_of_blocks(&blocks)
     }
 
     /// The part of the energy of the charges that comes from residues that touch nothing, kT.
     pub fn outside_kt(&self) -> Mean {
-        self.total(4)
+        self.total(OUTSIDE)
     }
 
     /// The share of the energy of the charges that comes from residues that touch nothing; `None`
     /// where that energy is not known to be negative.
     pub fn outside_share(&self) -> Option<Mean> {
-        self.share_of_charges(4)
+        self.share_of_charges(OUTSIDE)
     }
 
     /// The share of the energy of the charges between residues that do not touch each other.
     pub fn apart_share(&self) -> Option<Mean> {
-        self.share_of_charges(5)
+        self.share_of_charges(APART)
     }
 
     /// The share of the residues that touch nothing, over copies and frames.
     pub fn untouched_share(&self) -> Mean {
-        self.total(6)
+        self.total(UNTOUCHED)
     }
 
     fn ended(&self) -> &[[f64; TOTALS]] {
@@ -290,25 +276,20 @@ impl Averages {
     /// order.
     fn share_of_charges(&self, index: usize) -> Option<Mean> {
         const STANDARD_ERRORS: f64 = 3.0;
-        let charges = self.total(0);
+        let charges = self.total(CHARGES);
         let limit = STANDARD_ERRORS * charges.error.unwrap_or(0.0);
         if charges.mean >= -limit {
             return None;
         }
         let share = self.total(index).mean / charges.mean;
-        let residual = |block: &[f64; TOTALS]| (block[index] - share * block[0]) / charges.mean;
+        let residual =
+            |block: &[f64; TOTALS]| (block[index] - share * block[CHARGES]) / charges.mean;
         let residuals: Vec<f64> = self.ended().iter().map(residual).collect();
         Some(Mean {
             mean: share,
             error: mean_of_blocks(&residuals).error,
         })
     }
-}
-
-fn with_total(values: [f64; OF_RESIDUE]) -> [f64; OF_RESIDUE + 1] {
-    let [charges, contacts, desolvation, response, touches] = values;
-    let total = charges + contacts + desolvation + response;
-    [charges, contacts, desolvation, response, touches, total]
 }
 
 /// The mean of independent blocks of equal length.

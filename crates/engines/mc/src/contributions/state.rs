@@ -3,7 +3,7 @@
 use super::kind::{OwnedCharges, ResiduesOfKind};
 use crate::System;
 use crate::energy::reach::Reach;
-use crate::energy::terms::{EnergyParts, Term};
+use crate::energy::terms::{EnergyParts, PairParts};
 use crate::energy::{SitePotential, TermsByType};
 use crate::system::Pair;
 use protomer_kernel::pose::RelativePose;
@@ -31,10 +31,8 @@ pub struct ResidueContribution {
 /// Contribution of one pair of residues, over all pairs of bodies of its kinds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PairContribution {
-    /// Energy of the charges, kT.
-    pub charges_kt: f64,
-    /// Attraction between residues, kT.
-    pub contacts_kt: f64,
+    /// The energy by terms.
+    pub parts: PairParts,
     /// Number of such pairs that touch.
     pub touching: f64,
 }
@@ -200,7 +198,7 @@ impl Contributions {
             self.potentials_at(&place, &their_charges, &mut potentials);
             let row = &mut energies.pairs[ours.charges.residue[index] * columns..][..columns];
             for (residue, potential) in their_charges.residue.iter().zip(&potentials) {
-                row[*residue].charges_kt += charge_e * potential;
+                row[*residue].parts.charges_kt += charge_e * potential;
             }
         }
     }
@@ -235,7 +233,7 @@ impl Contributions {
         let columns = places[1].len();
         for term in &terms.terms((first, second)).0 {
             let kind = term.term();
-            if matches!(kind, Term::Desolvation | Term::SolventResponse) {
+            if !kind.is_sum_over_pairs() {
                 term.shares(relative, &mut |body, place, energy_kt| {
                     if let Some(residue) = places[body].of_term(kind, place) {
                         energies.single[body][residue].add(kind, energy_kt);
@@ -249,13 +247,7 @@ impl Contributions {
                     places[1].of_term(kind, of_second),
                 );
                 if let (Some(a), Some(b)) = residues {
-                    let pair = &mut energies.pairs[a * columns + b];
-                    match kind {
-                        Term::Charges => pair.charges_kt += energy_kt,
-                        Term::Contacts => pair.contacts_kt += energy_kt,
-                        // These have no shares of pairs.
-                        Term::Desolvation | Term::SolventResponse => {}
-                    }
+                    energies.pairs[a * columns + b].parts.add(kind, energy_kt);
                 }
             });
         }
@@ -291,10 +283,9 @@ impl StateEnergies {
             let touches = pair.touching > 0.0;
             self.residues[bodies.first][a].add(pair, touches);
             self.residues[bodies.second][b].add(pair, touches);
-            self.parts.charges_kt += pair.charges_kt;
-            self.parts.contacts_kt += pair.contacts_kt;
+            self.parts += pair.parts;
             if !touches {
-                self.apart_kt += pair.charges_kt;
+                self.apart_kt += pair.parts.charges_kt;
             }
         }
         for (copy, energies) in [bodies.first, bodies.second]
@@ -311,22 +302,20 @@ impl StateEnergies {
 
 impl ResidueContribution {
     fn add(&mut self, pair: &PairContribution, touches: bool) {
-        self.parts.charges_kt += pair.charges_kt;
-        self.parts.contacts_kt += pair.contacts_kt;
+        self.parts += pair.parts;
         self.touches |= touches;
     }
 }
 
 impl PairContribution {
     fn add(&mut self, other: &Self) {
-        self.charges_kt += other.charges_kt;
-        self.contacts_kt += other.contacts_kt;
+        self.parts += other.parts;
         self.touching += other.touching;
     }
 
     /// The sum of the terms, kT.
     pub fn total_kt(&self) -> f64 {
-        self.charges_kt + self.contacts_kt
+        self.parts.total_kt()
     }
 }
 

@@ -202,7 +202,7 @@ fn pairs_of_residues_are_those_of_the_double_loop() {
                 }
                 let is_one_kind = pairs.kinds.0 == pairs.kinds.1;
                 let pair = pairs.pair(a, b);
-                assert!((pair.charges_kt - energy).abs() < 1e-11, "{a} {b}");
+                assert!((pair.parts.charges_kt - energy).abs() < 1e-11, "{a} {b}");
                 assert_eq!(pair.touching, touching, "{:?} {a} {b}", pairs.kinds);
                 if is_one_kind {
                     assert_eq!(pair, pairs.pair(b, a));

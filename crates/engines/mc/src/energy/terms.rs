@@ -66,92 +66,214 @@ pub trait PairPotential: Send + Sync {
     fn tail_angstrom3(&self, distance_angstrom: f64) -> f64;
 }
 
-/// The terms of an energy.
-///
-/// ```
-/// use protomer_mc::pair::Term;
-/// assert_eq!(Term::SolventResponse.name(), "solvent_response");
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Term {
-    /// Screened charges.
-    Charges,
-    /// Attraction between residues.
-    Contacts,
-    /// Energy that charges lose where the other body displaces solvent.
-    Desolvation,
-    /// Effect of the salt water that two bodies displace on the field of each other.
-    SolventResponse,
-}
-
-impl Term {
-    /// Name of the term in answers.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Charges => "charges",
-            Self::Contacts => "contacts",
-            Self::Desolvation => "desolvation",
-            Self::SolventResponse => "solvent_response",
+/// Declares the terms of an energy: first those that are sums over pairs of places, then those that belong
+/// to single places of one body. Each has its description, its variant of [`Term`], its field of
+/// [`EnergyParts`], its name in JSON, the word for it in tables, and its name in a sentence. Statistics, answers,
+/// tables and pages of the terms follow from this list.
+macro_rules! energy_terms {
+    (
+        pairs { $($(#[doc = $pair_text:literal])* $(#[serde($pair_serde:meta)])?
+            $pair:ident: $pair_part:ident, $pair_name:literal, $pair_word:literal, $pair_phrase:literal;)* }
+        places { $($(#[doc = $text:literal])* $(#[serde($serde:meta)])?
+            $term:ident: $part:ident, $name:literal, $word:literal, $phrase:literal;)* }
+    ) => {
+        /// The terms of an energy.
+        ///
+        /// ```
+        /// use protomer_mc::pair::Term;
+        /// assert_eq!(Term::SolventResponse.name(), "solvent_response");
+        /// ```
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Term {
+            $($(#[doc = $pair_text])* $pair,)*
+            $($(#[doc = $text])* $term,)*
         }
-    }
+
+        impl Term {
+            /// All terms, in the order of [`EnergyParts::values`].
+            pub const ALL: [Self; TERMS] = [$(Self::$pair,)* $(Self::$term),*];
+
+            /// Whether the term is a sum over pairs of places, as [`PairPotential::pair_shares`] hands them out.
+            pub fn is_sum_over_pairs(self) -> bool {
+                matches!(self, $(Self::$pair)|*)
+            }
+
+            /// Name of the term in answers.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$pair => $pair_name,)*
+                    $(Self::$term => $name,)*
+                }
+            }
+
+            /// Key of the energy of the term in JSON and in tables.
+            ///
+            /// ```
+            /// assert_eq!(protomer_mc::pair::Term::Charges.key(), "charges_kt");
+            /// ```
+            pub fn key(self) -> &'static str {
+                match self {
+                    $(Self::$pair => stringify!($pair_part),)*
+                    $(Self::$term => stringify!($part),)*
+                }
+            }
+
+            /// Word for the term in the headings of tables.
+            pub fn word(self) -> &'static str {
+                match self {
+                    $(Self::$pair => $pair_word,)*
+                    $(Self::$term => $word,)*
+                }
+            }
+
+            /// Name of the term in a sentence.
+            pub fn phrase(self) -> &'static str {
+                match self {
+                    $(Self::$pair => $pair_phrase,)*
+                    $(Self::$term => $phrase,)*
+                }
+            }
+        }
+
+        /// Number of terms.
+        pub(crate) const TERMS: usize = [$($pair_name,)* $($name),*].len();
+        /// Number of terms that are sums over pairs of places.
+        pub(crate) const PAIR_TERMS: usize = [$($pair_name),*].len();
+
+        /// The energy of a pose by terms, kT, or something else of each term.
+        ///
+        /// ```
+        /// use protomer_mc::pair::{EnergyParts, Term};
+        /// let mut parts = EnergyParts { charges_kt: -3.0, ..EnergyParts::default() };
+        /// parts.add(Term::Contacts, -1.5);
+        /// parts += EnergyParts { desolvation_kt: 0.5, ..EnergyParts::default() };
+        /// assert_eq!((parts.part_kt(Term::Contacts), parts.total_kt()), (-1.5, -4.0));
+        /// ```
+        #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+        pub struct EnergyParts<T = f64> {
+            $($(#[doc = $pair_text])* $(#[serde($pair_serde)])? pub $pair_part: T,)*
+            $($(#[doc = $text])* $(#[serde($serde)])? pub $part: T,)*
+        }
+
+        impl<T: Copy> EnergyParts<T> {
+            /// The parts, by the values of [`Term::ALL`].
+            pub fn from_values(values: [T; TERMS]) -> Self {
+                let [$($pair_part,)* $($part),*] = values;
+                Self { $($pair_part,)* $($part),* }
+            }
+
+            /// The parts in the order of [`Term::ALL`].
+            pub fn values(&self) -> [T; TERMS] {
+                [$(self.$pair_part,)* $(self.$part),*]
+            }
+
+            /// The part of one term, kT.
+            pub fn part_kt(&self, term: Term) -> T {
+                match term {
+                    $(Term::$pair => self.$pair_part,)*
+                    $(Term::$term => self.$part,)*
+                }
+            }
+        }
+
+        impl EnergyParts {
+            /// Adds an energy (kT) to the part of its term.
+            pub fn add(&mut self, term: Term, energy_kt: f64) {
+                match term {
+                    $(Term::$pair => self.$pair_part += energy_kt,)*
+                    $(Term::$term => self.$part += energy_kt,)*
+                }
+            }
+        }
+
+        impl AddAssign<PairParts> for EnergyParts {
+            fn add_assign(&mut self, pair: PairParts) {
+                $(self.$pair_part += pair.$pair_part;)*
+            }
+        }
+
+        /// The energy of a pair of places, kT, by those terms that are sums over pairs.
+        ///
+        /// ```
+        /// use protomer_mc::pair::{EnergyParts, PairParts, Term};
+        /// let mut pair = PairParts { charges_kt: -0.5, ..PairParts::default() };
+        /// pair.add(Term::Contacts, -1.5);
+        /// let mut sum = EnergyParts::default();
+        /// sum += pair;
+        /// assert_eq!((sum.total_kt(), pair.total_kt()), (-2.0, -2.0));
+        /// ```
+        #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+        pub struct PairParts {
+            $($(#[doc = $pair_text])* $(#[serde($pair_serde)])? pub $pair_part: f64,)*
+        }
+
+        impl PairParts {
+            /// The parts, by the values of the first terms of [`Term::ALL`].
+            pub fn from_values(values: [f64; PAIR_TERMS]) -> Self {
+                let [$($pair_part),*] = values;
+                Self { $($pair_part),* }
+            }
+
+            /// The parts in the order of [`Term::ALL`].
+            pub fn values(&self) -> [f64; PAIR_TERMS] {
+                [$(self.$pair_part),*]
+            }
+
+            /// Adds an energy (kT) to the part of its term; nothing for a term that belongs to single places.
+            pub fn add(&mut self, term: Term, energy_kt: f64) {
+                match term {
+                    $(Term::$pair => self.$pair_part += energy_kt,)*
+                    $(Term::$term)|* => {}
+                }
+            }
+        }
+    };
 }
 
-/// The energy of a pose by terms, kT.
-///
-/// ```
-/// use protomer_mc::pair::{EnergyParts, Term};
-/// let mut parts = EnergyParts { charges_kt: -3.0, ..EnergyParts::default() };
-/// parts.add(Term::Contacts, -1.5);
-/// parts += EnergyParts { desolvation_kt: 0.5, ..EnergyParts::default() };
-/// assert_eq!((parts.part_kt(Term::Contacts), parts.total_kt()), (-1.5, -4.0));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct EnergyParts {
-    /// Screened charges, kT.
-    pub charges_kt: f64,
-    /// Attraction between residues, kT.
-    pub contacts_kt: f64,
-    /// Energy that charges lose where the other body displaces solvent, kT.
-    #[serde(default)]
-    pub desolvation_kt: f64,
-    /// Effect of the salt water that two bodies displace on the field of each other, kT.
-    #[serde(default)]
-    pub solvent_response_kt: f64,
+energy_terms! {
+    pairs {
+        /// Screened charges.
+        Charges: charges_kt, "charges", "charges", "charges";
+        /// Attraction between residues.
+        Contacts: contacts_kt, "contacts", "contacts", "attraction between residues";
+    }
+    places {
+        /// Energy that charges lose where the other body displaces solvent.
+        #[serde(default)]
+        Desolvation: desolvation_kt, "desolvation", "desolvation", "desolvation";
+        /// Effect of the salt water that two bodies displace on the field of each other.
+        #[serde(default)]
+        SolventResponse: solvent_response_kt, "solvent_response", "response", "response of the solvent";
+    }
 }
 
 impl EnergyParts {
-    /// Adds an energy (kT) to the part of its term.
-    pub fn add(&mut self, term: Term, energy_kt: f64) {
-        match term {
-            Term::Charges => self.charges_kt += energy_kt,
-            Term::Contacts => self.contacts_kt += energy_kt,
-            Term::Desolvation => self.desolvation_kt += energy_kt,
-            Term::SolventResponse => self.solvent_response_kt += energy_kt,
-        }
-    }
-
-    /// The part of one term, kT.
-    pub fn part_kt(&self, term: Term) -> f64 {
-        match term {
-            Term::Charges => self.charges_kt,
-            Term::Contacts => self.contacts_kt,
-            Term::Desolvation => self.desolvation_kt,
-            Term::SolventResponse => self.solvent_response_kt,
-        }
-    }
-
     /// The sum of the terms, kT.
     pub fn total_kt(&self) -> f64 {
-        self.charges_kt + self.contacts_kt + self.desolvation_kt + self.solvent_response_kt
+        self.values().iter().sum()
     }
 }
 
 impl AddAssign for EnergyParts {
     fn add_assign(&mut self, other: Self) {
-        self.charges_kt += other.charges_kt;
-        self.contacts_kt += other.contacts_kt;
-        self.desolvation_kt += other.desolvation_kt;
-        self.solvent_response_kt += other.solvent_response_kt;
+        for (term, energy_kt) in Term::ALL.into_iter().zip(other.values()) {
+            self.add(term, energy_kt);
+        }
+    }
+}
+
+impl AddAssign for PairParts {
+    fn add_assign(&mut self, other: Self) {
+        for (term, energy_kt) in Term::ALL.into_iter().zip(other.values()) {
+            self.add(term, energy_kt);
+        }
+    }
+}
+
+impl PairParts {
+    /// The sum of the terms, kT.
+    pub fn total_kt(&self) -> f64 {
+        self.values().iter().sum()
     }
 }
 

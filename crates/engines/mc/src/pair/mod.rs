@@ -50,7 +50,7 @@ mod replicas;
 pub mod tied;
 pub mod wells;
 
-pub use crate::energy::terms::{EnergyParts, PairPotential, Term, Terms};
+pub use crate::energy::terms::{EnergyParts, PairParts, PairPotential, Term, Terms};
 pub use bound_state::{BoundState, BoundStateSettings};
 pub use deep_wells::{Well, WellIntegral, Wells};
 pub use estimator::{Estimator, PairSettings, PairThermodynamics};

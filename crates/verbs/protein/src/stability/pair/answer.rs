@@ -7,6 +7,7 @@ use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::page::millimolar;
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::Table;
+use protomer_mc::pair::Term;
 use protomer_plot::Figure;
 use std::path::Path;
 
@@ -64,15 +65,11 @@ impl PairResult {
             |a: &&ConditionResult, b: &&ConditionResult| lowest(a).total_cmp(&lowest(b));
         let condition = self.conditions.iter().min_by(by_energy)?;
         let parts = condition.poses.first()?.parts;
-        let terms = [
-            ("charges", parts.charges_kt),
-            ("contacts", parts.contacts_kt),
-            ("desolvation", parts.desolvation_kt),
-            ("response of the solvent", parts.solvent_response_kt),
-        ];
-        let share = |(name, energy_kt): (&str, f64)| format!("{name} {energy_kt:+.2} kT");
-        let present = terms.into_iter().filter(|(_, energy_kt)| *energy_kt != 0.0);
-        let parts: Vec<String> = present.map(share).collect();
+        let acting = Term::ALL
+            .into_iter()
+            .filter(|term| parts.part_kt(*term) != 0.0);
+        let share = |term: Term| format!("{} {:+.2} kT", term.word(), parts.part_kt(term));
+        let parts: Vec<String> = acting.map(share).collect();
         let place = match (condition.ph, condition.salt_molar) {
             (None, None) => String::new(),
             (Some(ph), None) => format!(" (pH {ph})"),

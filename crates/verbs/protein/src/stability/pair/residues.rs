@@ -8,14 +8,14 @@ use protomer_io::written::csv_cell;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::{Pose, Vec3};
 use protomer_mc::contributions::ResiduePlaces;
-use protomer_mc::energy::terms::EnergyParts;
+use protomer_mc::energy::terms::{EnergyParts, Term};
 use protomer_mc::pair::BodyPair;
 use std::path::Path;
 
 /// The file with the energies of residues at the bound poses of one condition.
 pub(super) const RESIDUES: &str = "residues.csv";
-/// Columns of that file.
-const COLUMNS: [&str; 11] = [
+/// Columns of a residue and its energy.
+const COLUMNS: [&str; 7] = [
     "pose",
     "body",
     "chain",
@@ -23,13 +23,15 @@ const COLUMNS: [&str; 11] = [
     "insertion_code",
     "residue",
     "energy_kt",
-    "charges_kt",
-    "contacts_kt",
-    "desolvation_kt",
-    "solvent_response_kt",
 ];
-/// Number of columns in tables of earlier versions, which lack the last one.
-const EARLIER_COLUMNS: usize = 10;
+
+/// Columns of that file: a residue, its energy, and the terms of it. Tables of earlier versions lack the last
+/// terms.
+fn columns() -> Vec<&'static str> {
+    let mut columns = COLUMNS.to_vec();
+    columns.extend(Term::ALL.map(Term::key));
+    columns
+}
 
 /// The energies of the residues of both bodies at one pose, in the order of the residues.
 ///
@@ -64,7 +66,7 @@ pub(super) fn residue_energies(
 /// A table of residues over all poses; residues with less than 0.01 kT are left out.
 pub(super) fn to_csv(bodies: [&Body; 2], poses: &[ResidueEnergies]) -> Result<String> {
     const LEAST_KT: f64 = 0.01;
-    let mut table = Table::new(COLUMNS);
+    let mut table = Table::new(columns());
     for (number, energies) in poses.iter().enumerate() {
         for (body, of_body) in energies.iter().enumerate() {
             for (residue, parts) in bodies[body].residues.iter().zip(of_body) {
@@ -105,6 +107,7 @@ impl ResidueTable {
     /// If the table is damaged, or names a residue that the bodies do not have.
     pub fn energies_kt(&self, bodies: [&Body; 2], pose: usize) -> Result<[Vec<f64>; 2]> {
         let mut energies = bodies.map(|body| vec![0.0; body.residues.len()]);
+        let columns = columns();
         // The rows are in the order of the residues, so that two of one name stay apart.
         let mut next = [0, 0];
         for (index, line) in self.csv.lines().enumerate() {
@@ -112,7 +115,8 @@ impl ResidueTable {
             let row = cells(&self.path, number, line)?;
             let line_name = || format!("{}:{number}", self.path);
             if number == 1 {
-                if row != COLUMNS && row != COLUMNS[..EARLIER_COLUMNS] {
+                let is_shorter = row.len() > COLUMNS.len() && row.len() <= columns.len();
+                if !is_shorter || row != columns[..row.len()] {
                     bail!(
                         "{} has other columns than residues of a pair have",
                         line_name()
@@ -135,7 +139,7 @@ impl ResidueTable {
                     "{} has {} cells under {} columns",
                     line_name(),
                     row.len(),
-                    COLUMNS.len()
+                    columns.len()
                 );
             };
             if of_pose.parse() != Ok(pose) {
@@ -172,7 +176,7 @@ impl ResidueTable {
 }
 
 fn row(pose: usize, body: usize, residue: &Residue, parts: &EnergyParts) -> Vec<Cell> {
-    vec![
+    let mut cells = vec![
         Cell::Number(pose as f64),
         Cell::Number(body as f64),
         Cell::Text(residue.chain.clone()),
@@ -180,11 +184,9 @@ fn row(pose: usize, body: usize, residue: &Residue, parts: &EnergyParts) -> Vec<
         Cell::Text(residue.insertion_code.clone()),
         Cell::Text(residue.name.clone()),
         Cell::Number(parts.total_kt()),
-        Cell::Number(parts.charges_kt),
-        Cell::Number(parts.contacts_kt),
-        Cell::Number(parts.desolvation_kt),
-        Cell::Number(parts.solvent_response_kt),
-    ]
+    ];
+    cells.extend(parts.values().map(Cell::Number));
+    cells
 }
 
 #[cfg(test)]
@@ -250,7 +252,7 @@ ATOM      1  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
         // What is less than 0.01 kT is not in the table.
         assert_eq!(read(2), [vec![0.0, 3.0, 0.1], vec![0.0, 0.125]]);
         assert_eq!(read(3), [vec![0.0; 3], vec![0.0; 2]]);
-        let head = COLUMNS[..EARLIER_COLUMNS].join(",");
+        let head = columns()[..COLUMNS.len() + 3].join(",");
         let earlier = ResidueTable {
             csv: format!("{head}\n1,1,A,1,,LYS,-1.5,-3,1.5,0\n"),
             ..table
@@ -266,7 +268,7 @@ ATOM      1  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
             let error = table(csv).energies_kt([&of, &of], 1).unwrap_err();
             format!("{error:#}")
         };
-        let head = COLUMNS.join(",");
+        let head = columns().join(",");
         let other = refused(format!("{head}\n1,2,A,3,,GLU,1,1,0,0\n"));
         assert!(
             other.contains("residues.csv:2 names the residue GLU 3"),

@@ -113,10 +113,10 @@ impl ResiduesResult {
         line += &format!("{} kT", with_error(&self.energy.total_kt, 2));
         let terms = self.further_terms();
         if !terms.is_empty() {
-            line += &format!(": charges {}", with_error(&self.energy.charges_kt, 2));
+            line += &format!(": charges {}", with_error(&self.energy.parts.charges_kt, 2));
         }
-        for (name, energy_kt, _) in &terms {
-            line += &format!(", {name} {}", with_error(energy_kt, 2));
+        for (term, energy_kt) in &terms {
+            line += &format!(", {} {}", term.word(), with_error(energy_kt, 2));
         }
         line
     }
@@ -127,7 +127,7 @@ impl ResiduesResult {
         if !terms.is_empty() {
             heading.push("charges".into());
         }
-        heading.extend(terms.iter().map(|(name, ..)| (*name).to_owned()));
+        heading.extend(terms.iter().map(|(term, _)| term.word().to_owned()));
         heading.extend(["touching", "surface (Å²)", "most with"].map(str::to_owned));
         let mut rows = vec![heading];
         for row in self.strongest().into_iter().take(RESIDUES) {
@@ -135,8 +135,8 @@ impl ResiduesResult {
             if !terms.is_empty() {
                 cells.push(format!("{:.2}", row.parts.charges_kt));
             }
-            for (_, _, of_residue) in &terms {
-                cells.push(format!("{:.2}", of_residue(&row.parts)));
+            for (term, _) in &terms {
+                cells.push(format!("{:.2}", row.parts.part_kt(*term)));
             }
             cells.push(format!("{:.2}", row.touching));
             cells.push(match row.buried {

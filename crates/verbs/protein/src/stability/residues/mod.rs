@@ -34,7 +34,7 @@ pub use maps::{contact_map, energy_map};
 pub(crate) use mutations::exchanges_of;
 pub use result::{
     Change, MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult,
-    SharedBy, TermMeans, WholeEnergy,
+    SharedBy, WholeEnergy,
 };
 pub use settings::{PoseSettings, ResiduesSettings};
 

@@ -126,14 +126,11 @@ impl Residues {
                 format!("{} kT", with_error(energy.total_kt, 1.0, 4)),
             ),
         ];
-        for (name, energy_kt) in [
-            ("attraction between residues", energy.contacts_kt),
-            ("desolvation", energy.desolvation_kt),
-            ("response of the solvent", energy.solvent_response_kt),
-        ] {
-            if energy_kt.mean != 0.0 {
-                rows.push((name, format!("{} kT", with_error(energy_kt, 1.0, 4))));
-            }
+        for (term, energy_kt) in result.further_terms() {
+            rows.push((
+                term.phrase(),
+                format!("{} kT", with_error(energy_kt, 1.0, 4)),
+            ));
         }
         rows.extend([
             (

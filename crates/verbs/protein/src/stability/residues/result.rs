@@ -8,6 +8,7 @@ use protomer_body::chemistry::AminoAcid;
 use protomer_body::{Body, Residue};
 use protomer_kernel::null;
 use protomer_mc::contributions::{Averages, Mean};
+use protomer_mc::pair::{EnergyParts, PairParts, Term};
 use protomer_results::keys::read_json_if_present;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -108,30 +109,9 @@ pub enum SharedBy {
 pub struct WholeEnergy {
     /// Sum of the terms.
     pub total_kt: Mean,
-    /// Energy of the charges.
-    pub charges_kt: Mean,
-    /// Attraction between residues.
-    pub contacts_kt: Mean,
-    /// Desolvation of charges by other bodies.
-    pub desolvation_kt: Mean,
-    /// The response of the solvent that the bodies displace.
-    #[serde(default)]
-    pub solvent_response_kt: Mean,
-}
-
-/// The mean energy of a residue by terms, kT.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct TermMeans {
-    /// Energy of the charges.
-    pub charges_kt: f64,
-    /// Attraction between residues.
-    pub contacts_kt: f64,
-    /// Solvent displaced by the residue.
-    pub desolvation_kt: f64,
-    /// The response of the solvent to the residue's charges and volume, in the field of the other
-    /// bodies.
-    #[serde(default)]
-    pub solvent_response_kt: f64,
+    /// The terms.
+    #[serde(flatten)]
+    pub parts: EnergyParts<Mean>,
 }
 
 /// The name of a residue.
@@ -160,7 +140,7 @@ pub struct ResidueRow {
     pub energy_kt: Mean,
     /// Energy of the residue by terms.
     #[serde(flatten)]
-    pub parts: TermMeans,
+    pub parts: EnergyParts,
     /// Share of frames and copies in which the residue touches a residue of another body.
     pub touching: f64,
     /// Area of the residue in the surface of its own body, Å².
@@ -180,10 +160,9 @@ pub struct PairRow {
     pub second: ResidueName,
     /// Energy of the pair, kT.
     pub energy_kt: Mean,
-    /// Energy of the charges, kT.
-    pub charges_kt: f64,
-    /// Attraction between residues, kT.
-    pub contacts_kt: f64,
+    /// The energy by terms.
+    #[serde(flatten)]
+    pub parts: PairParts,
     /// Share of frames in which two such residues touch.
     pub touching: f64,
     /// Mean number of such pairs that touch.
@@ -265,9 +244,6 @@ const RESPONSE: &str = "the response of the solvent counts with the residues who
                         with pairs; charges are at their own places there, so the sum may differ from the energy of the run by \
                         some tenths of a kT";
 
-/// The name of a term, its energy in the assembly, and a function for that of a residue.
-pub(super) type FurtherTerm = (&'static str, Mean, fn(&TermMeans) -> f64);
-
 /// Pairs with less energy that never touch are left out, kT.
 pub const LEAST_KT: f64 = 0.01;
 
@@ -297,12 +273,7 @@ impl ResiduesResult {
                 residues.push(ResidueRow {
                     name: name(kind, residue),
                     energy_kt: means.energy_kt,
-                    parts: TermMeans {
-                        charges_kt: means.parts.charges_kt,
-                        contacts_kt: means.parts.contacts_kt,
-                        desolvation_kt: means.parts.desolvation_kt,
-                        solvent_response_kt: means.parts.solvent_response_kt,
-                    },
+                    parts: means.parts,
                     touching: means.touching,
                     surface_angstrom2: area,
                     buried: surface::is_buried(area),
@@ -321,8 +292,7 @@ impl ResiduesResult {
                         first: name(first, a),
                         second: name(second, b),
                         energy_kt: means.energy_kt,
-                        charges_kt: means.parts.charges_kt,
-                        contacts_kt: means.parts.contacts_kt,
+                        parts: means.parts.parts,
                         touching: means.touching,
                         contacts: means.parts.touching,
                     });
@@ -330,7 +300,7 @@ impl ResiduesResult {
             }
         }
         pairs.sort_by(|a, b| a.energy_kt.mean.total_cmp(&b.energy_kt.mean));
-        let [charges_kt, contacts_kt, desolvation_kt, solvent_response_kt] = averages.energy_kt();
+        let parts = averages.energy_kt();
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
             model: run.settings.model_name(bodies).into(),
@@ -349,7 +319,7 @@ impl ResiduesResult {
                 Some(_) => SharedBy::PlainCharges,
                 None => SharedBy::Charges,
             },
-            charges_note: match (&ensemble.plain, solvent_response_kt.mean) {
+            charges_note: match (&ensemble.plain, parts.solvent_response_kt.mean) {
                 (Some(_), _) => Some(EFFECTIVE.into()),
                 (None, response_kt) => (response_kt != 0.0).then_some(RESPONSE.into()),
             },
@@ -357,10 +327,7 @@ impl ResiduesResult {
             warnings: Vec::new(),
             energy: WholeEnergy {
                 total_kt: averages.total_kt(),
-                charges_kt,
-                contacts_kt,
-                desolvation_kt,
-                solvent_response_kt,
+                parts,
             },
             residues_outside_contacts: averages.untouched_share(),
             outside_contacts_kt: averages.outside_kt(),
@@ -383,25 +350,17 @@ impl ResiduesResult {
         rows
     }
 
-    /// The terms besides the charges that act: name, energy of the assembly, and that of a residue.
-    pub(super) fn further_terms(&self) -> Vec<FurtherTerm> {
-        let energy = &self.energy;
-        let all: [FurtherTerm; 3] = [
-            ("contacts", energy.contacts_kt, |parts| parts.contacts_kt),
-            ("desolvation", energy.desolvation_kt, |parts| {
-                parts.desolvation_kt
-            }),
-            ("response", energy.solvent_response_kt, |parts| {
-                parts.solvent_response_kt
-            }),
-        ];
-        let acts = |term: &FurtherTerm| term.1.mean != 0.0;
-        all.into_iter().filter(acts).collect()
+    /// The terms besides the charges that act, each with the energy of the assembly.
+    pub(super) fn further_terms(&self) -> Vec<(Term, Mean)> {
+        let energies = Term::ALL.map(|term| (term, self.energy.parts.part_kt(term)));
+        let acts =
+            |(term, energy_kt): &(Term, Mean)| *term != Term::Charges && energy_kt.mean != 0.0;
+        energies.into_iter().filter(acts).collect()
     }
 
     /// Whether the solvent that the bodies displace responds to their charges.
     pub(super) fn has_response(&self) -> bool {
-        self.energy.solvent_response_kt.mean != 0.0
+        self.energy.parts.solvent_response_kt.mean != 0.0
     }
 }
 

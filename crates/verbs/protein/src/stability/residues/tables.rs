@@ -3,34 +3,20 @@
 use super::result::{MutationRow, PairRow, ResidueName, ResidueRow};
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
+use protomer_mc::pair::Term;
 
 /// A row per residue.
 pub fn residues(rows: &[ResidueRow]) -> Result<String> {
-    let mut table = Table::new(
-        name_columns("").into_iter().chain(
-            [
-                "energy_kt",
-                "error_kt",
-                "charges_kt",
-                "contacts_kt",
-                "desolvation_kt",
-                "solvent_response_kt",
-                "touching",
-                "surface_angstrom2",
-                "buried",
-            ]
-            .map(str::to_owned),
-        ),
-    );
+    let mut columns = name_columns("");
+    columns.extend(["energy_kt", "error_kt"].map(str::to_owned));
+    columns.extend(Term::ALL.map(|term| term.key().to_owned()));
+    columns.extend(["touching", "surface_angstrom2", "buried"].map(str::to_owned));
+    let mut table = Table::new(columns);
     for row in rows {
         let mut cells = name(&row.name);
+        cells.extend([row.energy_kt.mean.into(), row.energy_kt.error.into()]);
+        cells.extend(row.parts.values().map(Cell::from));
         cells.extend([
-            row.energy_kt.mean.into(),
-            row.energy_kt.error.into(),
-            row.parts.charges_kt.into(),
-            row.parts.contacts_kt.into(),
-            row.parts.desolvation_kt.into(),
-            row.parts.solvent_response_kt.into(),
             row.touching.into(),
             row.surface_angstrom2.into(),
             Cell::Integer(i64::from(row.buried)),
@@ -42,33 +28,21 @@ pub fn residues(rows: &[ResidueRow]) -> Result<String> {
 
 /// A row per pair of residues.
 pub fn pairs(rows: &[PairRow]) -> Result<String> {
-    let names = name_columns("first_")
+    let mut columns = name_columns("first_");
+    columns.extend(name_columns("second_"));
+    columns.extend(["energy_kt", "error_kt"].map(str::to_owned));
+    let of_pairs = Term::ALL
         .into_iter()
-        .chain(name_columns("second_"));
-    let mut table = Table::new(
-        names.chain(
-            [
-                "energy_kt",
-                "error_kt",
-                "charges_kt",
-                "contacts_kt",
-                "touching",
-                "contacts",
-            ]
-            .map(str::to_owned),
-        ),
-    );
+        .filter(|term| term.is_sum_over_pairs());
+    columns.extend(of_pairs.map(|term| term.key().to_owned()));
+    columns.extend(["touching", "contacts"].map(str::to_owned));
+    let mut table = Table::new(columns);
     for row in rows {
         let mut cells = name(&row.first);
         cells.extend(name(&row.second));
-        cells.extend([
-            row.energy_kt.mean.into(),
-            row.energy_kt.error.into(),
-            row.charges_kt.into(),
-            row.contacts_kt.into(),
-            row.touching.into(),
-            row.contacts.into(),
-        ]);
+        cells.extend([row.energy_kt.mean.into(), row.energy_kt.error.into()]);
+        cells.extend(row.parts.values().map(Cell::from));
+        cells.extend([row.touching.into(), row.contacts.into()]);
         table.push(cells)?;
     }
     Ok(table.to_csv()?)
