@@ -1,6 +1,7 @@
 //! Counters of the moves.
 
-use crate::moves::{Acceptance, BindingMove, Kind};
+pub use crate::moves::binding::BindingCounts;
+use crate::moves::{Acceptance, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Counts since the end of equilibration (or, during equilibration, since the start).
@@ -32,45 +33,15 @@ pub struct Statistics {
     /// Total number of bodies moved by cluster moves.
     pub cluster_bodies: u64,
     /// Moves that form and dissolve contacts.
-    #[serde(default, skip_serializing_if = "BindingCounts::are_none")]
+    #[serde(default, skip_serializing_if = "is_none")]
     pub binding: BindingCounts,
     /// Moves that change protons.
     #[serde(default, skip_serializing_if = "is_none")]
     pub protons: Acceptance,
 }
 
-fn is_none(counts: &Acceptance) -> bool {
-    *counts == Acceptance::default()
-}
-
-/// Counts of the moves that form and dissolve contacts, by kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BindingCounts {
-    /// [`BindingMove::Relocation`].
-    pub relocation: Acceptance,
-    /// [`BindingMove::ContactTurn`].
-    pub contact_turn: Acceptance,
-    /// [`BindingMove::Group`].
-    pub group: Acceptance,
-    /// [`BindingMove::Swap`].
-    pub swap: Acceptance,
-}
-
-impl BindingCounts {
-    pub(crate) fn count(&mut self, kind: BindingMove, accepted: bool) {
-        let counts = match kind {
-            BindingMove::Relocation => &mut self.relocation,
-            BindingMove::ContactTurn => &mut self.contact_turn,
-            BindingMove::Group => &mut self.group,
-            BindingMove::Swap => &mut self.swap,
-        };
-        counts.count(accepted);
-    }
-
-    fn are_none(&self) -> bool {
-        *self == Self::default()
-    }
+fn is_none<T: Default + PartialEq>(counts: &T) -> bool {
+    *counts == T::default()
 }
 
 impl Statistics {

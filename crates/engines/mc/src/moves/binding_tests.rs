@@ -18,12 +18,6 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 const GAP_ANGSTROM: f64 = 3.0;
-const ALL: [BindingMove; 4] = [
-    BindingMove::Relocation,
-    BindingMove::ContactTurn,
-    BindingMove::Group,
-    BindingMove::Swap,
-];
 
 fn yukawa() -> Yukawa {
     Yukawa::new(7.0, 0.1, 12.0).unwrap()
@@ -199,7 +193,7 @@ fn apart(averages: &[Estimate; 3], wanted: &[Estimate; 3]) -> f64 {
 fn two_bodies_have_the_averages_of_the_direct_integral() {
     for space in spaces() {
         let wanted = integrated(space);
-        for kind in ALL {
+        for &kind in BindingMove::ALL {
             let averages = simulated(&row(2, space), Some(kind), (6, 3_000), |allowance_kt| {
                 allowance_kt
             });
@@ -221,7 +215,7 @@ fn a_mixture_has_the_averages_of_plain_moves() {
     let [space, _] = spaces();
     let system = row(4, space);
     let wanted = simulated(&system, None, (0, 10_000), |allowance_kt| allowance_kt);
-    for kind in ALL {
+    for &kind in BindingMove::ALL {
         let averages = simulated(&system, Some(kind), (8, 2_000), |allowance_kt| allowance_kt);
         let sigmas = apart(&averages, &wanted);
         assert!(sigmas < 4.0, "{kind:?}: {sigmas}\n{averages:?}\n{wanted:?}");
