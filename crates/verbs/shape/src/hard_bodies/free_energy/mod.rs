@@ -7,29 +7,31 @@
 //! With even sweeps the log and the checkpoint are in a folder for each strength (module `apart`).
 
 mod apart;
+mod result;
+mod settings;
+
+pub use result::{FreeEnergyResult, PointResult};
+pub use settings::{FreeEnergySettings, Share};
 
 use super::result::{mean_and_error, tilt_factors};
-use super::settings::{check_bodies, check_packing_fraction, check_rounding};
 use super::start::{BodyShape, cell_text, unit_cell};
 use super::trajectory::{frame, open_trajectory};
 use anyhow::{Context, Error, Result, bail};
-use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
-use protomer_common::range;
-use protomer_common::settings::is_default;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::frenkel_ladd::{
-    Estimate, FreeEnergy, Measurement, Plan, Point, STRENGTHS, Walker, WalkerState, share,
+    Estimate, Measurement, Plan, Point, STRENGTHS, Walker, WalkerState, share,
 };
-use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::summarize;
 use protomer_results::checkpoint::require_lengths;
+use protomer_results::settings::identity;
 use protomer_results::{
-    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Settings,
-    Shard, Turn, Work, drive, log, settings,
+    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Shard,
+    Turn, Work, drive, log,
 };
 use rayon::prelude::*;
+use result::{FEW_SAMPLES, table_of};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -47,8 +49,6 @@ const ROWS_AT_ONCE: u64 = 4;
 const PARTS_PER_ROUND: usize = 2 * STRENGTHS;
 /// Equilibration sweeps between two looks at the clock.
 const EQUILIBRATION_AT_ONCE: u64 = 500;
-/// A point with fewer independent samples is called slow.
-const FEW_SAMPLES: f64 = 50.0;
 
 /// The directory of a free energy.
 const LAYOUT: Layout = Layout {
@@ -57,90 +57,6 @@ const LAYOUT: Layout = Layout {
     results: &["run.json", LOG, POINTS, CRYSTAL, CHECKPOINT, "report.html"],
     is_result: apart::is_strength,
 };
-
-protomer_kernel::choices! {
-    /// Division of the sweeps among the strengths of the springs.
-    pub enum Share, default Errors {
-        /// Sweeps go where the error of the integral falls most.
-        Errors = "errors",
-        /// The same sweeps at each strength, each in its own folder, so that processes can share the strengths.
-        Even = "even",
-    }
-}
-
-/// Settings of a free energy. Lengths are in the unit of the shape.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct FreeEnergySettings {
-    /// File or name of the shape.
-    pub shape: String,
-    /// Radius of the ball, or disk, that rounds the shape.
-    pub rounding_radius: f64,
-    /// Name of the crystal, or file of its unit cell.
-    pub crystal: String,
-    /// Rotation of every body in its own frame: degrees in a plane, a quaternion in space; empty
-    /// for none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub turn: Vec<f64>,
-    /// Number of bodies.
-    pub bodies: usize,
-    /// Part of the box that the bodies fill.
-    pub packing_fraction: f64,
-    /// Sweeps at each point in which steps are tuned and nothing is measured.
-    pub equilibration: u64,
-    /// Sweeps after the equilibration, per point on average.
-    pub sweeps: u64,
-    /// Division of the sweeps among the strengths.
-    #[serde(skip_serializing_if = "is_default")]
-    pub share: Share,
-    /// Seed of the random numbers.
-    pub seed: u64,
-}
-
-impl Default for FreeEnergySettings {
-    fn default() -> Self {
-        Self {
-            shape: String::new(),
-            rounding_radius: 0.0,
-            crystal: String::new(),
-            turn: Vec::new(),
-            bodies: 216,
-            packing_fraction: 0.6,
-            equilibration: 2000,
-            sweeps: 20_000,
-            share: Share::Errors,
-            seed: 1,
-        }
-    }
-}
-
-impl FreeEnergySettings {
-    /// Checks what does not depend on the shape.
-    ///
-    /// # Errors
-    /// Names the setting and what it can be.
-    pub fn check(&self) -> Result<()> {
-        if self.sweeps == 0 {
-            bail!("sweeps is 0; give the sweeps per point of the integral");
-        }
-        range::STEPS.require("sweeps", self.sweeps)?;
-        range::STEPS.require("equilibration", self.equilibration)?;
-        check_packing_fraction(self.packing_fraction)?;
-        check_bodies(self.bodies)?;
-        check_rounding(self.rounding_radius)
-    }
-}
-
-impl Settings for FreeEnergySettings {
-    /// Settings without the number of sweeps: more sweeps continue a run.
-    fn essential(&self) -> Self {
-        Self {
-            // Sweeps may grow when a run continues; all else shapes the result.
-            sweeps: 0,
-            ..self.clone()
-        }
-    }
-}
 
 protomer_results::log_row! {
     /// One row of the log: a mean over some sweeps at a point of the integral.
@@ -153,155 +69,6 @@ protomer_results::log_row! {
         /// f, the energy of the springs per body over their strength, squared length.
         pub extent: f64,
     }
-}
-
-/// A point of the integral over the strength of the springs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PointResult {
-    /// Strength λ, kT per squared length.
-    pub strength_kt_per_area: f64,
-    /// Weight of the extent in the integral.
-    pub weight: f64,
-    /// Extent f, squared length.
-    pub extent: f64,
-    /// Standard error of the extent.
-    pub extent_error: f64,
-    /// Contribution to the integral, kT per body.
-    pub contribution_kt: f64,
-    /// Standard error of the contribution.
-    #[serde(alias = "contribution_error_kt")]
-    pub contribution_kt_error: f64,
-    /// Sweeps measured.
-    pub sweeps: u64,
-    /// Integrated autocorrelation time of the extent, at least half of the sweeps of a row.
-    pub correlation_time_sweeps: f64,
-    /// Samples that would be as good if they were independent.
-    pub independent_samples: f64,
-}
-
-/// A free energy of a crystal. Lengths are in the unit of the shape, energies in kT per body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FreeEnergyResult {
-    /// File or name of the shape.
-    pub shape: String,
-    /// The crystal.
-    pub crystal: String,
-    /// Number of dimensions, 1, 2 or 3.
-    pub dimension: usize,
-    /// Number of bodies.
-    pub bodies: usize,
-    /// Part of the box that the bodies fill.
-    pub packing_fraction: f64,
-    /// Bodies per volume.
-    pub number_density: f64,
-    /// Lengths of the box.
-    pub box_edges: Vec<f64>,
-    /// Tilt factors of the box, xy, xz and yz; none where its angles are right.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub box_tilt_factors: Vec<f64>,
-    /// Proper rotations that leave the shape as it is.
-    pub symmetry_order: usize,
-    /// A/(N kT) for a thermal wavelength of one and an integral of one over all orientations.
-    pub free_energy_per_body_kt: f64,
-    /// Standard error of the free energy.
-    #[serde(alias = "free_energy_per_body_error_kt")]
-    pub free_energy_per_body_kt_error: f64,
-    /// Free energy less that of an ideal gas of this density, ln ρ - 1: no wavelength is in it.
-    pub excess_free_energy_per_body_kt: f64,
-    /// Standard error of the excess free energy.
-    #[serde(alias = "excess_free_energy_per_body_error_kt")]
-    pub excess_free_energy_per_body_kt_error: f64,
-    /// The terms of the free energy.
-    pub terms: FreeEnergy,
-    /// Results for each point of the integral.
-    pub points: Vec<PointResult>,
-    /// Points with few independent samples, whose errors are uncertain.
-    pub slow_points: Vec<usize>,
-}
-
-impl Answer for FreeEnergyResult {
-    fn text(&self) -> String {
-        let terms = &self.terms;
-        let mut lines = vec![
-            format!(
-                "{} bodies ({}), {}, packing fraction {}, number density {:.6}",
-                self.bodies, self.shape, self.crystal, self.packing_fraction, self.number_density
-            ),
-            format!(
-                "free energy {:.5} ± {:.5} kT per body (thermal wavelength 1)",
-                self.free_energy_per_body_kt, self.free_energy_per_body_kt_error
-            ),
-            format!(
-                "excess over an ideal gas {:.5} ± {:.5} kT per body",
-                self.excess_free_energy_per_body_kt, self.excess_free_energy_per_body_kt_error
-            ),
-            format!("centre of mass      {:10.5}", terms.centre_of_mass_kt),
-            format!("strongest springs   {:10.5}", terms.springs_kt),
-            format!("orientations        {:10.5}", terms.orientations_kt),
-            format!(
-                "overlaps with them  {:10.5} ± {:.5}",
-                terms.overlaps_kt, terms.overlaps_kt_error
-            ),
-            format!(
-                "weaker springs      {:10.5} ± {:.5}",
-                -terms.integral_kt, terms.integral_kt_error
-            ),
-            format!(
-                "a coarser rule differs by {:.5} ± {:.5}",
-                terms.rules_difference_kt, terms.rules_difference_kt_error
-            ),
-        ];
-        lines.extend(self.slow());
-        lines.join("\n")
-    }
-}
-
-impl FreeEnergyResult {
-    /// Number of slow strengths, and the slowest of them, in words; `None` if none is slow.
-    pub fn slow(&self) -> Option<String> {
-        let points = self.slow_points.iter().map(|number| &self.points[*number]);
-        let slowest = points.min_by(|one, other| {
-            one.independent_samples
-                .total_cmp(&other.independent_samples)
-        })?;
-        Some(format!(
-            "slow: {} of {} strengths have fewer than {FEW_SAMPLES} independent samples (springs of {:.4}: {:.0} in \
-             {} sweeps); their errors are uncertain, so give more sweeps",
-            self.slow_points.len(),
-            self.points.len(),
-            slowest.strength_kt_per_area,
-            slowest.independent_samples,
-            slowest.sweeps
-        ))
-    }
-}
-
-fn table_of(points: &[PointResult]) -> Result<String> {
-    let mut table = Table::new(vec![
-        "strength_kt_per_area",
-        "weight",
-        "extent",
-        "extent_error",
-        "contribution_kt",
-        "contribution_kt_error",
-        "sweeps",
-        "correlation_time_sweeps",
-        "independent_samples",
-    ]);
-    for point in points {
-        table.push(vec![
-            Cell::from(point.strength_kt_per_area),
-            point.weight.into(),
-            point.extent.into(),
-            point.extent_error.into(),
-            point.contribution_kt.into(),
-            point.contribution_kt_error.into(),
-            Cell::from(point.sweeps as usize),
-            point.correlation_time_sweeps.into(),
-            point.independent_samples.into(),
-        ])?;
-    }
-    Ok(table.to_csv()?)
 }
 
 /// Computes or continues the free energy of a crystal in a directory.
@@ -433,7 +200,7 @@ fn in_dimension<const D: usize, C: Carrying>(
     let input_sha256 = shape.sha256(text.as_deref());
     let run = FreeEnergyRun {
         settings,
-        identity: settings::identity(settings, &input_sha256)?,
+        identity: identity(settings, &input_sha256)?,
         input_sha256,
         measurement: Measurement::new(&body, &crystal, settings.seed)?,
         body: &body,
@@ -717,137 +484,4 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use protomer_results::Record;
-
-    /// Settings of a small crystal of squares.
-    fn squares(sweeps: u64) -> FreeEnergySettings {
-        FreeEnergySettings {
-            shape: "polygon:4".into(),
-            crystal: "square".into(),
-            turn: vec![45.0],
-            bodies: 36,
-            packing_fraction: 0.85,
-            equilibration: 100,
-            sweeps,
-            ..FreeEnergySettings::default()
-        }
-    }
-
-    #[test]
-    fn strengths_apart_give_the_same_bytes_for_any_number_of_parts() {
-        let folder = tempfile::tempdir().unwrap();
-        let settings = FreeEnergySettings {
-            share: Share::Even,
-            // Not whole rows.
-            ..squares(310)
-        };
-        let run = |settings: &FreeEnergySettings, name: &str| {
-            let path = folder.path().join(name);
-            let end = run_free_energy(settings, &path, &Execution::default()).unwrap();
-            end.finished().unwrap()
-        };
-        let parts = folder.path().join("parts");
-        let mut done = 0;
-        for index in [3, 1, 4, 2] {
-            let shard = Shard::parse(&format!("{index}/4")).unwrap();
-            let end = run_shard(&settings, &parts, shard, &Execution::default()).unwrap();
-            done += end.finished().unwrap();
-        }
-        assert_eq!(done, STRENGTHS);
-        let (in_parts, at_once) = (run(&settings, "parts"), run(&settings, "whole"));
-        assert_eq!(in_parts, at_once);
-        assert!(at_once.points.iter().all(|point| point.sweeps == 350));
-        let read =
-            |name: &str, file: &str| std::fs::read(folder.path().join(name).join(file)).unwrap();
-        for file in [
-            "run.json",
-            POINTS,
-            CRYSTAL,
-            "run.toml",
-            "strength_07/log.csv",
-        ] {
-            assert!(read("parts", file) == read("whole", file), "{file}");
-        }
-        // More sweeps extend it, to the bytes of a long one.
-        let long = FreeEnergySettings {
-            sweeps: 600,
-            ..settings.clone()
-        };
-        assert_eq!(run(&long, "parts"), run(&long, "long"));
-        assert!(read("parts", POINTS) == read("long", POINTS));
-        // The record is read as that of any free energy.
-        let record = Record::read(&folder.path().join("long")).unwrap().unwrap();
-        let recorded = record.answer::<FreeEnergyResult>().unwrap();
-        assert!(record.is_done() && recorded.points.len() == STRENGTHS);
-        let adaptive = FreeEnergySettings {
-            share: Share::Errors,
-            ..settings
-        };
-        let shard = Shard::parse("1/2").unwrap();
-        let refused = run_shard(&adaptive, &parts, shard, &Execution::default());
-        assert!(refused.unwrap_err().to_string().contains("--share even"));
-        assert!(run_free_energy(&adaptive, &parts, &Execution::default()).is_err());
-    }
-
-    #[test]
-    fn even_sweeps_agree_with_those_by_errors() {
-        // Rods on a line, whose free energy is known: ln(1/(1 - η)) and the ideal gas.
-        let folder = tempfile::tempdir().unwrap();
-        let settings = |share| FreeEnergySettings {
-            shape: "rod:1".into(),
-            crystal: "row".into(),
-            bodies: 8,
-            packing_fraction: 0.5,
-            equilibration: 100,
-            sweeps: 2000,
-            share,
-            ..FreeEnergySettings::default()
-        };
-        let [even, by_errors] = [Share::Even, Share::Errors].map(|share| {
-            let path = folder
-                .path()
-                .join(protomer_kernel::setting::Choices::name(share));
-            let end = run_free_energy(&settings(share), &path, &Execution::default()).unwrap();
-            end.finished().unwrap()
-        });
-        let error = even
-            .free_energy_per_body_kt_error
-            .hypot(by_errors.free_energy_per_body_kt_error);
-        let apart = even.free_energy_per_body_kt - by_errors.free_energy_per_body_kt;
-        assert!(error < 0.03 && apart.abs() < 4.0 * error, "{apart} {error}");
-        assert!(
-            (even.free_energy_per_body_kt + 0.84051).abs()
-                < 4.0 * even.free_energy_per_body_kt_error
-        );
-    }
-
-    #[test]
-    fn a_free_energy_that_stops_and_goes_on_writes_the_same_bytes() {
-        let folder = tempfile::tempdir().unwrap();
-        let short = squares(400);
-        let long = FreeEnergySettings {
-            sweeps: 800,
-            ..short.clone()
-        };
-        let run = |settings: &FreeEnergySettings, name: &str| {
-            let path = folder.path().join(name);
-            let end = run_free_energy(settings, &path, &Execution::default()).unwrap();
-            end.finished().unwrap()
-        };
-        run(&short, "parts");
-        let (in_parts, at_once) = (run(&long, "parts"), run(&long, "whole"));
-        assert_eq!(in_parts, at_once);
-        assert_eq!(in_parts.symmetry_order, 4);
-        for file in [LOG, POINTS, CRYSTAL, CHECKPOINT] {
-            let read = |name: &str| std::fs::read(folder.path().join(name).join(file)).unwrap();
-            assert!(read("parts") == read("whole"), "{file}");
-        }
-        let terms = &in_parts.terms;
-        let sum =
-            terms.centre_of_mass_kt + terms.springs_kt + terms.orientations_kt + terms.overlaps_kt
-                - terms.integral_kt;
-        assert!((sum - in_parts.free_energy_per_body_kt).abs() < 1e-12);
-    }
-}
+mod tests;
