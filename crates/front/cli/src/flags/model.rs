@@ -9,6 +9,7 @@ use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::model::Model;
 use protomer_protein_verbs::stability::run::RunSettings;
+use protomer_protein_verbs::stability::terms::StatedTerms;
 
 /// Choice of a named model.
 #[derive(Debug, Clone, Copy, Args)]
@@ -40,15 +41,35 @@ impl ModelArgs {
         terms: &TermsArgs,
         usual: RunSettings,
     ) -> Result<RunSettings> {
-        let insides = self.charges(charges).insides(Insides::default())?;
-        let terms = self.terms(terms);
-        Ok(RunSettings {
-            effective_charges: insides.effective,
-            solvent_response: insides.response,
-            contacts: terms.contacts(None, ContactCore::Surface)?,
-            desolvation: terms.desolvation,
+        let mut settings = RunSettings {
+            effective_charges: None,
+            solvent_response: None,
             ..usual
-        })
+        };
+        settings.set_terms(StatedTerms::default());
+        self.override_in(&mut settings, charges, terms)?;
+        Ok(settings)
+    }
+
+    /// Overrides the interactions of settings by those of the model and the flags.
+    ///
+    /// # Errors
+    /// For flags that contradict each other.
+    pub fn override_in(
+        &self,
+        settings: &mut RunSettings,
+        charges: &ChargesArgs,
+        terms: &TermsArgs,
+    ) -> Result<()> {
+        let insides = self.charges(charges).insides(Insides {
+            effective: settings.effective_charges,
+            response: settings.solvent_response,
+        })?;
+        settings.effective_charges = insides.effective;
+        settings.solvent_response = insides.response;
+        let terms = self.terms(terms);
+        settings.set_terms(terms.over(settings.stated_terms(), ContactCore::Surface)?);
+        Ok(())
     }
 
     /// The flags of the charges, completed by the model.

@@ -6,6 +6,7 @@ use clap::Args;
 use protomer_body::residue_contacts::ContactScale;
 use protomer_common::range;
 use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
+use protomer_protein_verbs::stability::terms::StatedTerms;
 
 /// Attraction between residues.
 #[derive(Debug, Clone, Args)]
@@ -59,16 +60,15 @@ impl TermsArgs {
             || self.desolvation
     }
 
-    /// Contact term by [`ContactArgs::over`].
+    /// The terms of a configuration, overridden by the flags.
     ///
     /// # Errors
     /// As [`ContactArgs::over`].
-    pub fn contacts(
-        &self,
-        present: Option<ContactTerm>,
-        core: ContactCore,
-    ) -> Result<Option<ContactTerm>> {
-        self.attraction.over(present, core)
+    pub fn over(&self, present: StatedTerms, core: ContactCore) -> Result<StatedTerms> {
+        Ok(StatedTerms {
+            contacts: self.attraction.over(present.contacts, core)?,
+            desolvation: self.desolvation || present.desolvation,
+        })
     }
 }
 

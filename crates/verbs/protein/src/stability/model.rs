@@ -118,13 +118,18 @@ impl Model {
         settings
     }
 
+    /// Terms in addition to the charges.
+    fn terms(self) -> FurtherTerms {
+        FurtherTerms {
+            contacts: self.contacts(),
+            response: self.solvent_response(),
+            ..FurtherTerms::default()
+        }
+    }
+
     /// The model with these terms between bodies whose own charges interact; `None` if no model has them.
     pub fn with_terms(terms: &FurtherTerms) -> Option<Self> {
-        let is_it = |model: &Self| {
-            terms.desolvation.is_none()
-                && terms.response == model.solvent_response()
-                && terms.contacts == model.contacts()
-        };
+        let is_it = |model: &Self| *terms == model.terms();
         Self::ALL.into_iter().find(is_it)
     }
 
@@ -196,11 +201,7 @@ mod tests {
     #[test]
     fn terms_are_named_by_the_model_that_has_them() {
         for model in Model::ALL {
-            let terms = FurtherTerms {
-                contacts: model.contacts(),
-                desolvation: None,
-                response: model.solvent_response(),
-            };
+            let terms = model.terms();
             assert_eq!(name_of_terms(&terms, true, &[]), model.name());
             assert!(model.body_warning(&[]).is_none());
             assert_eq!(name_of_terms(&terms, false, &[]), OWN_TERMS);

@@ -16,6 +16,31 @@ use protomer_mc::pair::Contacts;
 use protomer_mc::solvent_response::{ResponseBody, SolventResponse};
 use std::sync::Arc;
 
+/// Terms of the energy in addition to the charges, as settings state them; what they need of the inside of the
+/// bodies is stated with the charges.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StatedTerms {
+    /// Attraction between residues.
+    pub contacts: Option<ContactTerm>,
+    /// Whether charges lose solvent to other bodies; with effective charges only.
+    pub desolvation: bool,
+}
+
+impl StatedTerms {
+    /// The terms with the inside of the bodies for effective charges and for the response of the solvent.
+    pub fn with_insides(
+        &self,
+        effective: Option<SoluteModel>,
+        response: Option<SoluteModel>,
+    ) -> FurtherTerms {
+        FurtherTerms {
+            contacts: self.contacts,
+            desolvation: self.desolvation.then(|| effective.unwrap_or_default()),
+            response,
+        }
+    }
+}
+
 /// Terms of the energy in addition to the charges.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FurtherTerms {
@@ -37,7 +62,7 @@ pub struct PreparedTerms {
 impl FurtherTerms {
     /// Whether there are no further terms.
     pub fn is_none(&self) -> bool {
-        self.contacts.is_none() && self.desolvation.is_none() && self.response.is_none()
+        *self == Self::default()
     }
 
     /// Prepares the terms for these kinds of bodies, each with the charges that interact.

@@ -3,7 +3,7 @@
 use crate::flags::medium::ConditionArgs;
 use crate::flags::model::ModelArgs;
 use crate::flags::settings::choice;
-use crate::flags::solute::{Charges, ChargesArgs, Insides};
+use crate::flags::solute::{Charges, ChargesArgs};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
 use crate::flags::tolerance::ToleranceArgs;
@@ -15,11 +15,9 @@ use protomer_common::{quantity, range};
 use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::bench::suite::{Part, SuiteSettings, run_suite};
 use protomer_protein_verbs::stability::bench::{BenchSettings, bench};
-use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::effective;
 use protomer_protein_verbs::stability::interaction::{InteractionSettings, ScreenedCoulomb};
-use protomer_protein_verbs::stability::run::EnergyMode;
-use protomer_protein_verbs::stability::terms::FurtherTerms;
+use protomer_protein_verbs::stability::run::{EnergyMode, RunSettings};
 use std::path::{Path, PathBuf};
 
 /// Upper limit for the number of charges: a direct sum over sixteen bodies with more takes too
@@ -91,26 +89,14 @@ impl BenchArgs {
         };
         let assembly = Assembly::read(path)?;
         let usual = BenchSettings::default();
-        let insides = self
-            .model
-            .charges(&self.acting)
-            .insides(Insides::default())?;
-        let settings = BenchSettings {
-            moves: self.moves.unwrap_or(usual.moves),
+        let run = RunSettings {
             energy,
             tolerance_kt: self.tolerance.tolerance,
-            effective_charges: insides.effective,
-            terms: FurtherTerms {
-                contacts: self
-                    .model
-                    .terms(&self.terms)
-                    .contacts(None, ContactCore::Surface)?,
-                desolvation: self
-                    .terms
-                    .desolvation
-                    .then(|| insides.effective.unwrap_or_default()),
-                response: insides.response,
-            },
+            ..RunSettings::default()
+        };
+        let settings = BenchSettings {
+            moves: self.moves.unwrap_or(usual.moves),
+            run: self.model.acting(&self.acting, &self.terms, run)?,
             seed: self.seed,
             ..usual
         };

@@ -17,12 +17,13 @@ use protomer_body::BodySettings;
 use protomer_body::chemistry::StructureTitration;
 use protomer_common::{quantity, range};
 use protomer_protein_verbs::stability::DEFAULT_CONTACT_GAP_ANGSTROM;
-use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
+use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::effective::SoluteModel;
 use protomer_protein_verbs::stability::model::Model;
 use protomer_protein_verbs::stability::pair::{
     Energies, PairBodies, PairRunSettings, refuse_other_settings, run_pair, run_pair_shard,
 };
+use protomer_protein_verbs::stability::terms::StatedTerms;
 use protomer_results::{End, Execution};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -200,17 +201,20 @@ impl PairArgs {
             .titration_over(model.filter(|_| !are_bodies))
     }
 
-    fn contact_term(&self) -> Result<Option<ContactTerm>> {
+    fn stated_terms(&self) -> Result<StatedTerms> {
         let terms = self.model.terms(&self.terms);
         match self.core {
-            CoreChoice::Surface => terms.contacts(None, ContactCore::Surface),
-            CoreChoice::Beads => match terms.contacts(None, ContactCore::Beads)? {
-                None => bail!(
-                    "--core beads takes the cores of a contact term; add --contacts calvados3, or \
-                     leave it out"
-                ),
-                term => Ok(term),
-            },
+            CoreChoice::Surface => terms.over(StatedTerms::default(), ContactCore::Surface),
+            CoreChoice::Beads => {
+                let stated = terms.over(StatedTerms::default(), ContactCore::Beads)?;
+                if stated.contacts.is_none() {
+                    bail!(
+                        "--core beads takes the cores of a contact term; add --contacts calvados3, or \
+                         leave it out"
+                    );
+                }
+                Ok(stated)
+            }
         }
     }
 
@@ -224,13 +228,12 @@ impl PairArgs {
             protonation: self.titration()?,
             energies: self.interaction(),
             solute: self.effective_solute(),
-            desolvation: self.terms.desolvation,
-            contacts: self.contact_term()?,
             contact_gap_angstrom: self.contact_gap,
             b22_error_mol_ml_per_g2: self.b22_error,
             medium: self.medium.medium(),
             ..PairRunSettings::default()
         };
+        settings.set_terms(self.stated_terms()?);
         settings.sampling.seed = self.seed;
         settings.sampling.relative_error = self.relative_error;
         settings.sampling.most_directions = self.most_directions;

@@ -4,7 +4,7 @@ use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::{ConditionArgs, MediumArgs};
 use crate::flags::model::ModelArgs;
 use crate::flags::settings::{Owner, SettingsArgs};
-use crate::flags::solute::{ChargesArgs, Insides};
+use crate::flags::solute::ChargesArgs;
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
 use crate::front::Front;
@@ -15,7 +15,6 @@ use protomer_common::live::{Arrays, Live};
 use protomer_common::quantity;
 use protomer_kernel::setting::Choices;
 use protomer_protein_verbs::assemblies::assembly_file::Assembly;
-use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::effective;
 use protomer_protein_verbs::stability::live;
 use protomer_protein_verbs::stability::run::{EnergyMode, Engine, RunSettings};
@@ -63,16 +62,8 @@ impl RunArgs {
         }
         // Stored even if it is the default, so that a run keeps it if the default changes.
         settings.tolerance_kt = settings.tolerance_of_energy_kt()?;
-        let charges = self.model.charges(&self.charges);
-        let insides = charges.insides(Insides {
-            effective: settings.effective_charges,
-            response: settings.solvent_response,
-        })?;
-        settings.effective_charges = insides.effective;
-        settings.solvent_response = insides.response;
-        let terms = self.model.terms(&self.terms);
-        settings.contacts = terms.contacts(settings.contacts, ContactCore::Surface)?;
-        settings.desolvation |= self.terms.desolvation;
+        self.model
+            .override_in(&mut settings, &self.charges, &self.terms)?;
         medium.override_in(&mut settings.medium);
         Ok(settings)
     }

@@ -21,11 +21,10 @@ pub mod suite;
 pub mod tables;
 
 use crate::assemblies::assembly_file::Assembly;
-use crate::stability::effective::{EffectiveBody, EffectiveStore, SoluteModel};
+use crate::stability::effective::{EffectiveBody, EffectiveStore};
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, Promise, RunSettings};
-use crate::stability::terms::FurtherTerms;
 use anyhow::Result;
 use protomer_common::answer::Answer;
 use protomer_common::cpu_time::{ProcessClock, Stopwatch};
@@ -36,20 +35,12 @@ use serde::Serialize;
 use std::sync::Arc;
 
 /// Settings of [`bench()`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct BenchSettings {
     /// Number of trial moves.
     pub moves: u64,
-    /// Mode of the energies; if `None`, the fastest one with the decisions of the direct sum.
-    pub energy: Option<EnergyMode>,
-    /// Largest error of the energy of two bodies, kT, of approximate energies; the usual one where
-    /// `None`.
-    pub tolerance_kt: Option<f64>,
-    /// The inside of the bodies, whose effective charges then interact; `None` for the charges of
-    /// the bodies themselves.
-    pub effective_charges: Option<SoluteModel>,
-    /// Terms of the energy in addition to the charges.
-    pub terms: FurtherTerms,
+    /// Energies; without a mode, the fastest one with the decisions of the direct sum.
+    pub run: RunSettings,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Largest displacement of a trial move, Å.
@@ -62,10 +53,7 @@ impl Default for BenchSettings {
     fn default() -> Self {
         Self {
             moves: 10_000,
-            energy: None,
-            tolerance_kt: None,
-            effective_charges: None,
-            terms: FurtherTerms::default(),
+            run: RunSettings::default(),
             seed: 1,
             translation_step_angstrom: 0.3,
             rotation_step_rad: 0.04,
@@ -149,25 +137,20 @@ pub fn bench(
     let mut engine = Engine::new(assembly)?
         .with_tables(Arc::clone(&tables))
         .with_effective_store(effective_store);
-    if let Some(solute) = &settings.effective_charges
-        && settings.energy != Some(EnergyMode::None)
+    if let Some(solute) = &settings.run.effective_charges
+        && settings.run.energy != Some(EnergyMode::None)
     {
         engine = engine.with_effective_charges(&interaction, solute)?;
     }
-    engine = engine.with_terms(&settings.terms, &interaction)?;
+    engine = engine.with_terms(&settings.run.further_terms(), &interaction)?;
     let energy = match interaction.cutoff_angstrom.is_finite() {
         true => EnergyMode::Direct,
         false => engine.costs(&interaction, MANY_MOVES)?.fastest(),
     };
-    let energy = settings.energy.unwrap_or(energy);
+    let energy = settings.run.energy.unwrap_or(energy);
     let run = RunSettings {
         energy: Some(energy),
-        tolerance_kt: settings.tolerance_kt,
-        effective_charges: settings.effective_charges,
-        contacts: settings.terms.contacts,
-        desolvation: settings.terms.desolvation.is_some(),
-        solvent_response: settings.terms.response,
-        ..RunSettings::default()
+        ..settings.run.clone()
     };
     run.check()?;
     let system = engine.system()?;

@@ -5,7 +5,7 @@ use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::{ContactDefinition, InteractionSettings};
 use crate::stability::model::name_of_terms;
 use crate::stability::run::salt_label;
-use crate::stability::terms::FurtherTerms;
+use crate::stability::terms::{FurtherTerms, StatedTerms};
 use anyhow::{Result, bail};
 use protomer_body::Body;
 use protomer_body::chemistry::StructureTitration;
@@ -184,12 +184,19 @@ impl PairRunSettings {
 
     /// Terms in addition to the charges.
     pub(super) fn further_terms(&self) -> FurtherTerms {
-        FurtherTerms {
+        let terms = StatedTerms {
             contacts: self.contacts,
-            desolvation: self.desolvation.then(|| self.solute.unwrap_or_default()),
-            response: (self.energies == Energies::Response)
-                .then(|| self.solute.unwrap_or_default()),
-        }
+            desolvation: self.desolvation,
+        };
+        let response = self.energies == Energies::Response;
+        let response = response.then(|| self.solute.unwrap_or_default());
+        terms.with_insides(self.solute, response)
+    }
+
+    /// Sets the terms in addition to the charges.
+    pub fn set_terms(&mut self, terms: StatedTerms) {
+        self.contacts = terms.contacts;
+        self.desolvation = terms.desolvation;
     }
 
     /// Name of the model whose terms these are.

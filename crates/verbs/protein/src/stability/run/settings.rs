@@ -4,7 +4,7 @@ use crate::stability::contacts::{ContactCore, ContactTerm};
 use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::{ContactDefinition, InteractionSettings};
 use crate::stability::model::name_of_terms;
-use crate::stability::terms::FurtherTerms;
+use crate::stability::terms::{FurtherTerms, StatedTerms};
 use anyhow::{Result, bail};
 use protomer_body::Body;
 use protomer_common::range::{self, CONTACT_GAP, Count, STEPS, TOLERANCE};
@@ -453,13 +453,22 @@ impl RunSettings {
 
     /// Terms of the energy in addition to the charges.
     pub fn further_terms(&self) -> FurtherTerms {
-        FurtherTerms {
+        self.stated_terms()
+            .with_insides(self.effective_charges, self.solvent_response)
+    }
+
+    /// Terms in addition to the charges, as they are stated.
+    pub fn stated_terms(&self) -> StatedTerms {
+        StatedTerms {
             contacts: self.contacts,
-            desolvation: self
-                .desolvation
-                .then(|| self.effective_charges.unwrap_or_default()),
-            response: self.solvent_response,
+            desolvation: self.desolvation,
         }
+    }
+
+    /// Sets the terms in addition to the charges.
+    pub fn set_terms(&mut self, terms: StatedTerms) {
+        self.contacts = terms.contacts;
+        self.desolvation = terms.desolvation;
     }
 
     /// Name of the model of these bodies with these terms.
