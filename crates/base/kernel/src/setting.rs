@@ -140,6 +140,8 @@ impl Setting for Vec<f64> {
 /// assert!(Side::from_name("Right").is_none(), "names are taken letter by letter");
 /// ```
 pub trait Choices: Copy + 'static {
+    /// The values in the order of declaration.
+    const ALL: &'static [Self];
     /// The names in the order of declaration.
     const CHOICES: &'static [Choice];
 
@@ -150,7 +152,8 @@ pub trait Choices: Copy + 'static {
     fn from_name(name: &str) -> Option<Self>;
 }
 
-/// Declares an enum whose variants are chosen by name, perhaps with a default. Serde writes the names.
+/// Declares an enum whose variants are chosen by name, perhaps with a default. Serde writes the names, or, with
+/// `files "snake_case"`, those of the variants in this case.
 ///
 /// ```
 /// use protomer_kernel::setting::Choices;
@@ -165,21 +168,49 @@ pub trait Choices: Copy + 'static {
 ///     }
 /// }
 ///
+/// protomer_kernel::choices! {
+///     /// Lattices.
+///     pub enum Lattice, files "snake_case" {
+///         /// Eight neighbours.
+///         BodyCentred = "body-centred",
+///     }
+/// }
+///
 /// assert_eq!((End::from_name("c"), End::default()), (Some(End::Carboxyl), End::Amino));
 /// assert_eq!((End::Amino.name(), End::CHOICES[0].text), ("n", &[" Carries the amine."][..]));
+/// assert_eq!(Lattice::BodyCentred.name(), "body-centred");
 /// ```
 #[macro_export]
 macro_rules! choices {
+    (@enum [] $(#[$about:meta])* $visible:vis $name:ident {
+        $($(#[$text:meta])* $variant:ident = $word:literal),*
+    }) => {
+        $(#[$about])*
+        $visible enum $name {
+            $($(#[$text])* #[serde(rename = $word)] $variant),*
+        }
+    };
+    (@enum [$case:literal] $(#[$about:meta])* $visible:vis $name:ident {
+        $($(#[$text:meta])* $variant:ident = $word:literal),*
+    }) => {
+        $(#[$about])*
+        #[serde(rename_all = $case)]
+        $visible enum $name {
+            $($(#[$text])* $variant),*
+        }
+    };
     (
         $(#[doc = $about:literal])*
-        $visible:vis enum $name:ident $(, default $default:ident)? {
+        $visible:vis enum $name:ident $(, default $default:ident)? $(, files $case:literal)? {
             $($(#[doc = $text:literal])* $variant:ident = $word:literal),* $(,)?
         }
     ) => {
-        $(#[doc = $about])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, ::serde::Serialize, ::serde::Deserialize)]
-        $visible enum $name {
-            $($(#[doc = $text])* #[serde(rename = $word)] $variant),*
+        $crate::choices! { @enum [$($case)?]
+            $(#[doc = $about])*
+            #[derive(
+                Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, ::serde::Serialize, ::serde::Deserialize,
+            )]
+            $visible $name { $($(#[doc = $text])* $variant = $word),* }
         }
 
         $(impl Default for $name {
@@ -189,6 +220,7 @@ macro_rules! choices {
         })?
 
         impl $crate::setting::Choices for $name {
+            const ALL: &'static [Self] = &[$(Self::$variant),*];
             const CHOICES: &'static [$crate::setting::Choice] = &[
                 $($crate::setting::Choice { name: $word, text: &[$($text),*] }),*
             ];

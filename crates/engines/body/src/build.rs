@@ -19,6 +19,7 @@ use crate::warnings::{cavity_warnings, reader_warnings, selection_warnings};
 use crate::{BodyError, Result};
 use protomer_kernel::PointRecord;
 use protomer_kernel::name::{first_forbidden, printable};
+use protomer_kernel::setting::Choices;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::RangeInclusive;
 

@@ -14,38 +14,31 @@ use crate::surface::ExactSurface;
 use crate::{BodyError, Result, Site, SurfaceSettings};
 use protomer_kernel::TriangleMesh;
 
-/// The definition of the hard core of a body.
-///
-/// ```
-/// use protomer_body::{HardCore, Source, SurfaceSettings, build_body_of_points};
-/// # use protomer_kernel::PointRecord;
-/// # let ball = PointRecord { radius_angstrom: 3.0, ..PointRecord::default() };
-/// # let source = Source { file: "ball.xyzr", sha256: "" };
-/// let surface = SurfaceSettings { core: Some(HardCore::Surface), ..SurfaceSettings::default() };
-/// let body = build_body_of_points("ball", source, &[ball], &surface)?.body;
-/// assert!(body.core.is_none(), "the surface itself is hard");
-/// assert_eq!(body.hard_mesh(), &body.mesh);
-/// # Ok::<(), protomer_body::BodyError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum HardCore {
-    /// A solid that is small enough for the contacts of natural complexes.
-    Native,
-    /// The surface of the body itself, as in the thesis of Ramasubramani (2021).
-    Surface,
+protomer_kernel::choices! {
+    /// The definition of the hard core of a body.
+    ///
+    /// ```
+    /// use protomer_body::{HardCore, Source, SurfaceSettings, build_body_of_points};
+    /// # use protomer_kernel::PointRecord;
+    /// # let ball = PointRecord { radius_angstrom: 3.0, ..PointRecord::default() };
+    /// # let source = Source { file: "ball.xyzr", sha256: "" };
+    /// let surface = SurfaceSettings { core: Some(HardCore::Surface), ..SurfaceSettings::default() };
+    /// let body = build_body_of_points("ball", source, &[ball], &surface)?.body;
+    /// assert!(body.core.is_none(), "the surface itself is hard");
+    /// assert_eq!(body.hard_mesh(), &body.mesh);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
+    pub enum HardCore {
+        /// A core within the surface that admits the contacts of natural complexes.
+        Native = "native",
+        /// The solvent-excluded surface itself.
+        Surface = "surface",
+    }
 }
 
 impl HardCore {
     /// Distance by which a native core is moved inward unless the user says otherwise, Å.
     pub const NATIVE_OFFSET_ANGSTROM: f64 = 0.5;
-
-    /// The name by which a body records its hard core.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Native => "native",
-            Self::Surface => "surface",
-        }
-    }
 }
 
 /// Radii and offset of a native core.

@@ -6,29 +6,28 @@ use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
 use protomer_kernel::cells::CellList;
 use protomer_kernel::{Boundary, Vec3};
 
-/// Surface at which the permittivity changes.
-///
-/// ```
-/// use protomer_field::{ChargedSphere, SurfaceDefinition, surface::surface_of};
-/// use protomer_kernel::Vec3;
-/// let atom = |x| ChargedSphere { centre: Vec3::new(x, 0.0, 0.0), radius_angstrom: 2.0, charge_e: 0.0 };
-/// let pair = [atom(-2.2), atom(2.2)];
-/// let crevice = Vec3::zeros();
-/// let spheres = surface_of(&pair, SurfaceDefinition::VanDerWaals, 1.4)?;
-/// let excluded = surface_of(&pair, SurfaceDefinition::SolventExcluded, 1.4)?;
-/// assert!(spheres.signed_distance(&crevice) > 0.0 && excluded.signed_distance(&crevice) < 0.0);
-/// # Ok::<(), protomer_field::FieldError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SurfaceDefinition {
-    /// The volume that a probe rolling over the spheres cannot enter (Richards, Annu. Rev. Biophys.
-    /// Bioeng. 6, 151 (1977)).
-    #[default]
-    SolventExcluded,
-    /// The spheres themselves: crevices between them hold solvent.
-    VanDerWaals,
-    /// The volume that the centre of the probe cannot enter: the spheres grown by its radius.
-    SolventAccessible,
+protomer_kernel::choices! {
+    /// Surface at which the permittivity changes.
+    ///
+    /// ```
+    /// use protomer_field::{ChargedSphere, SurfaceDefinition, surface::surface_of};
+    /// use protomer_kernel::Vec3;
+    /// let atom = |x| ChargedSphere { centre: Vec3::new(x, 0.0, 0.0), radius_angstrom: 2.0, charge_e: 0.0 };
+    /// let pair = [atom(-2.2), atom(2.2)];
+    /// let crevice = Vec3::zeros();
+    /// let spheres = surface_of(&pair, SurfaceDefinition::VanDerWaals, 1.4)?;
+    /// let excluded = surface_of(&pair, SurfaceDefinition::SolventExcluded, 1.4)?;
+    /// assert!(spheres.signed_distance(&crevice) > 0.0 && excluded.signed_distance(&crevice) < 0.0);
+    /// # Ok::<(), protomer_field::FieldError>(())
+    /// ```
+    pub enum SurfaceDefinition, default SolventExcluded {
+        /// The solvent-excluded surface, which a probe rolling over the atoms cannot enter.
+        SolventExcluded = "solvent-excluded",
+        /// The surface of the atoms: crevices between them contain solvent.
+        VanDerWaals = "van-der-waals",
+        /// The solvent-accessible surface: the atoms enlarged by the probe radius.
+        SolventAccessible = "solvent-accessible",
+    }
 }
 
 /// The surface of those spheres that have a radius.

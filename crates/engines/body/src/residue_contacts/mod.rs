@@ -24,26 +24,24 @@ pub use beads::{Bead, beads_of};
 
 use crate::chemistry::AminoAcid;
 use miyazawa_jernigan::contact_energy_rt;
-use serde::{Deserialize, Serialize};
 
-/// A published scale of contact energies.
-///
-/// ```
-/// use protomer_body::chemistry::AminoAcid::{Lys, Trp};
-/// use protomer_body::residue_contacts::ContactScale;
-/// let scale = ContactScale::Calvados3;
-/// assert!(scale.depth_kj_per_mol(Trp, Trp) > scale.depth_kj_per_mol(Lys, Lys));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ContactScale {
-    /// Ashbaugh and Hatch, J. Am. Chem. Soc. 130, 9536 (2008), with the stickiness of Calvados 3:
-    /// Cao, von Bülow, Tesei and Lindorff-Larsen, Protein Sci. 33, e5172 (2024).
-    #[serde(rename = "calvados3")]
-    Calvados3,
-    /// Kim and Hummer, J. Mol. Biol. 375, 1416 (2008), model A, with the contact energies of
-    /// Miyazawa and Jernigan.
-    #[serde(rename = "kim-hummer")]
-    KimHummer,
+protomer_kernel::choices! {
+    /// A published scale of contact energies: Ashbaugh and Hatch, J. Am. Chem. Soc. 130, 9536 (2008), with the
+    /// stickiness of Cao, von Bülow, Tesei and Lindorff-Larsen, Protein Sci. 33, e5172 (2024), and model A of Kim and
+    /// Hummer, J. Mol. Biol. 375, 1416 (2008).
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid::{Lys, Trp};
+    /// use protomer_body::residue_contacts::ContactScale;
+    /// let scale = ContactScale::Calvados3;
+    /// assert!(scale.depth_kj_per_mol(Trp, Trp) > scale.depth_kj_per_mol(Lys, Lys));
+    /// ```
+    pub enum ContactScale {
+        /// Ashbaugh-Hatch with the stickiness of Calvados 3.
+        Calvados3 = "calvados3",
+        /// Kim-Hummer with the contact energies of Miyazawa and Jernigan.
+        KimHummer = "kim-hummer",
+    }
 }
 
 /// Distance at which the attraction ends in both force fields, Å; it is shifted to zero there.
@@ -59,17 +57,6 @@ const KIM_HUMMER_OFFSET_RT: f64 = -2.27;
 const RT_AT_300_KELVIN_KJ_PER_MOL: f64 = 2.494_338_785;
 
 impl ContactScale {
-    /// All scales.
-    pub const ALL: [Self; 2] = [Self::Calvados3, Self::KimHummer];
-
-    /// The name by which users choose the scale.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Calvados3 => "calvados3",
-            Self::KimHummer => "kim-hummer",
-        }
-    }
-
     /// Depth d_ij of the attraction of two residues, kJ/mol; negative where they repel.
     ///
     /// ```

@@ -11,17 +11,16 @@ use std::ops::RangeInclusive;
 /// either side of the surface, and the box around a point must not be larger.
 pub const LARGEST_SPACING_ANGSTROM: f64 = 1.1;
 
-/// The potential on the faces of the grid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum BoundaryCondition {
-    /// The sum of the Debye-Hückel potentials of the atoms, each alone in the solvent with ions up
-    /// to its radius: the usual choice. It ignores the solvent that the solute displaces: at 100 mM
-    /// and a margin of 10 Å that is 1.5 % of the potential outside crambin.
-    #[default]
-    ScreenedAtoms,
-    /// The solution on a coarse grid twice as large, on whose faces the solute looks like one
-    /// sphere. It hardly depends on the margin, and takes a second, smaller solve.
-    CoarseGrid,
+protomer_kernel::choices! {
+    /// The potential on the faces of the grid. The usual choice, screened atoms with ions up to their radii, ignores the
+    /// solvent that the solute displaces: at 100 mM and a margin of 10 Å that is 1.5 % of the potential outside crambin.
+    /// On the faces of the coarse grid the solute looks like one sphere; it takes a second, smaller solve.
+    pub enum BoundaryCondition, default ScreenedAtoms {
+        /// The sum of the atoms' Debye-Hückel potentials, each alone in the solvent.
+        ScreenedAtoms = "screened-atoms",
+        /// The solution on a coarse grid twice as large: almost independent of the margin.
+        CoarseGrid = "coarse-grid",
+    }
 }
 
 /// Settings of a solve.

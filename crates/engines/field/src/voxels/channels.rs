@@ -11,73 +11,56 @@ use crate::poisson_boltzmann::{SolveSettings, solve_within};
 use crate::surface::solvent_excluded;
 use crate::{FieldError, Result};
 use protomer_body::surface::ImplicitSolid;
+use protomer_kernel::setting::Choices;
 use protomer_kernel::{Rotation, Vec3};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
-/// A value that voxels can hold.
-///
-/// ```
-/// use protomer_field::voxels::Channel;
-/// let names: Vec<&str> = Channel::ALL.into_iter().map(Channel::name).collect();
-/// assert_eq!(names, ["shape", "solid", "potential", "hydropathy", "spacing"]);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Channel {
-    /// 1 where the solvent-excluded surface passes through: |d| < h/2 with d the distance of the
-    /// centre from it.
-    Shape,
-    /// 1 where the centre is inside the surface.
-    Solid,
-    /// Electrostatic potential, kT/e, at the point of the surface nearest to the voxel's centre; 0
-    /// off the shell.
-    Potential,
-    /// Kyte-Doolittle index averaged over nearby residues, -4.5 to 4.5; 0 off the shell.
-    Hydropathy,
-    /// The edge of the voxels, Å, in every occupied voxel: the size of a structure that was scaled to
-    /// the grid.
-    Spacing,
-    /// [`Shape`](Channel::Shape) of the second body of an interface.
-    #[serde(rename = "partner_shape")]
-    PartnerShape,
-    /// [`Potential`](Channel::Potential) of the second body of an interface.
-    #[serde(rename = "partner_potential")]
-    PartnerPotential,
-    /// [`Hydropathy`](Channel::Hydropathy) of the second body of an interface.
-    #[serde(rename = "partner_hydropathy")]
-    PartnerHydropathy,
+protomer_kernel::choices! {
+    /// A value that voxels can hold. A voxel is on the shell, 1 in `shape`, where |d| < h/2 with d the distance of its
+    /// centre from the surface and h its edge. Potential (at the point of the surface nearest to the centre) and
+    /// hydropathy are 0 off the shell.
+    pub enum Channel {
+        /// 1 where the solvent-excluded surface passes through the voxel.
+        Shape = "shape",
+        /// 1 inside the surface.
+        Solid = "solid",
+        /// Electrostatic potential on the surface, kT/e.
+        Potential = "potential",
+        /// Kyte-Doolittle index of nearby residues.
+        Hydropathy = "hydropathy",
+        /// Edge of the voxels, Å: shows the size of structures scaled to the grid.
+        Spacing = "spacing",
+        /// Shape of the second body of an interface.
+        PartnerShape = "partner_shape",
+        /// Potential of the second body of an interface, kT/e.
+        PartnerPotential = "partner_potential",
+        /// Hydropathy of the second body of an interface.
+        PartnerHydropathy = "partner_hydropathy",
+    }
 }
 
 impl Channel {
     /// Channels of the second body of an interface.
-    pub const OF_PARTNER: [Channel; 3] = [
+    pub const PARTNER: [Channel; 3] = [
         Channel::PartnerShape,
         Channel::PartnerPotential,
         Channel::PartnerHydropathy,
     ];
     /// Channels of a body alone.
-    pub const ALL: [Channel; 5] = [
+    ///
+    /// ```
+    /// use protomer_field::voxels::Channel;
+    /// use protomer_kernel::setting::Choices;
+    /// let names = Channel::SINGLE.map(Channel::name);
+    /// assert_eq!(names, ["shape", "solid", "potential", "hydropathy", "spacing"]);
+    /// ```
+    pub const SINGLE: [Channel; 5] = [
         Channel::Shape,
         Channel::Solid,
         Channel::Potential,
         Channel::Hydropathy,
         Channel::Spacing,
     ];
-
-    /// The name in settings and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Channel::Shape => "shape",
-            Channel::Solid => "solid",
-            Channel::Potential => "potential",
-            Channel::Hydropathy => "hydropathy",
-            Channel::Spacing => "spacing",
-            Channel::PartnerShape => "partner_shape",
-            Channel::PartnerPotential => "partner_potential",
-            Channel::PartnerHydropathy => "partner_hydropathy",
-        }
-    }
 }
 
 protomer_kernel::choices! {

@@ -13,6 +13,7 @@ use crate::debye_huckel::Superposition;
 use crate::poisson_boltzmann::{Potential, solve_within};
 use crate::{FieldError, Result};
 use protomer_body::surface::{ExactSurface, ImplicitSolid, Placed};
+use protomer_kernel::setting::Choices;
 use protomer_kernel::{Pose, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;

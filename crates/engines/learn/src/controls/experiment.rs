@@ -300,11 +300,12 @@ impl Control {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_kernel::setting::Choices;
     use std::collections::BTreeSet;
 
     #[test]
     fn experiments_are_named_apart_and_see_channels_that_exist() {
-        for control in Control::ALL {
+        for &control in Control::ALL {
             let experiments = control.experiments();
             let names: BTreeSet<&str> = experiments.iter().map(|one| one.name).collect();
             assert_eq!(names.len(), experiments.len());

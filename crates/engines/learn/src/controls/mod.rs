@@ -26,44 +26,45 @@ pub use experiment::{Expected, Experiment, Plan, Verdict};
 use crate::Result;
 use crate::error::refuse;
 use crate::sample::InMemory;
+use protomer_kernel::setting::Choices;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// A synthetic set with a known answer.
-///
-/// ```
-/// use protomer_learn::SampleSource;
-/// use protomer_learn::controls::{Control, Variant};
-///
-/// let control = Control::named("charge")?;
-/// let set = control.samples(Variant::Usual, 6, 16, 1);
-/// assert_eq!(set.channels(), ["shape", "potential", "hydropathy"]);
-/// assert_eq!(set.descriptions()[0].label, "positive");
-/// # Ok::<(), protomer_learn::LearnError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Control {
-    /// Kind of a solid.
-    Shapes,
-    /// Sign of the net charge.
-    Charge,
-    /// Hydrophobic share of the surface.
-    Patch,
-    /// Whether charge and hydropathy of a patch have the same sign.
-    Xor,
-    /// Number of copies about an axis.
-    Assemblies,
-    /// Labels dealt out at random.
-    Permuted,
-    /// Identity of the protein.
-    Identity,
-    /// Orientation in which the protein was deposited.
-    Orientation,
-    /// Number of residues.
-    Size,
-    /// The charge control with outliers among the potentials.
-    HeavyTails,
+protomer_kernel::choices! {
+    /// A synthetic set with a known answer.
+    ///
+    /// ```
+    /// use protomer_learn::SampleSource;
+    /// use protomer_learn::controls::{Control, Variant};
+    ///
+    /// let control = Control::named("charge")?;
+    /// let set = control.samples(Variant::Usual, 6, 16, 1);
+    /// assert_eq!(set.channels(), ["shape", "potential", "hydropathy"]);
+    /// assert_eq!(set.descriptions()[0].label, "positive");
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
+    pub enum Control {
+        /// Kind of a solid.
+        Shapes = "shapes",
+        /// Sign of the net charge.
+        Charge = "charge",
+        /// Hydrophobic share of the surface.
+        Patch = "patch",
+        /// Whether charge and hydropathy of a patch have the same sign.
+        Xor = "xor",
+        /// Number of copies about an axis.
+        Assemblies = "assemblies",
+        /// Labels dealt out at random.
+        Permuted = "permuted",
+        /// Identity of the protein.
+        Identity = "identity",
+        /// Orientation in which the protein was deposited.
+        Orientation = "orientation",
+        /// Number of residues.
+        Size = "size",
+        /// The charge control with outliers among the potentials.
+        HeavyTails = "heavy-tails",
+    }
 }
 
 /// Short or full form of a control.
@@ -90,48 +91,21 @@ pub enum Variant {
 }
 
 impl Control {
-    /// All controls.
-    pub const ALL: [Self; 10] = [
-        Self::Shapes,
-        Self::Charge,
-        Self::Patch,
-        Self::Xor,
-        Self::Assemblies,
-        Self::Permuted,
-        Self::Identity,
-        Self::Orientation,
-        Self::Size,
-        Self::HeavyTails,
-    ];
-
-    /// Name of the control.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Shapes => "shapes",
-            Self::Charge => "charge",
-            Self::Patch => "patch",
-            Self::Xor => "xor",
-            Self::Assemblies => "assemblies",
-            Self::Permuted => "permuted",
-            Self::Identity => "identity",
-            Self::Orientation => "orientation",
-            Self::Size => "size",
-            Self::HeavyTails => "heavy-tails",
-        }
-    }
-
     /// The control of this name.
     ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) lists the controls there are.
     pub fn named(name: &str) -> Result<Self> {
-        match Self::ALL.into_iter().find(|control| control.name() == name) {
-            Some(control) => Ok(control),
-            None => refuse(format!(
-                "there is no control '{name}'; choose one of: {}",
-                Self::ALL.map(Self::name).join(", ")
-            )),
-        }
+        Self::from_name(name).map_or_else(
+            || {
+                let names: Vec<&str> = Self::CHOICES.iter().map(|choice| choice.name).collect();
+                refuse(format!(
+                    "there is no control '{name}'; choose one of: {}",
+                    names.join(", ")
+                ))
+            },
+            Ok,
+        )
     }
 
     /// Description of the label and of what the control shows.
@@ -233,7 +207,7 @@ mod tests {
 
     #[test]
     fn every_set_is_sound_balanced_and_the_same_again() {
-        for control in Control::ALL {
+        for &control in Control::ALL {
             // Whole numbers of proteins with 16 orientations each, in every number of classes.
             let count = 480;
             let set = control.samples(Variant::Usual, count, 16, 3);
@@ -275,7 +249,7 @@ mod tests {
 
     #[test]
     fn names_lead_back_and_a_wrong_one_is_told_the_right_ones() {
-        for control in Control::ALL {
+        for &control in Control::ALL {
             assert_eq!(Control::named(control.name()).unwrap(), control);
             assert_eq!(serde_json::to_value(control).unwrap(), control.name());
         }

@@ -21,19 +21,17 @@ const POTENTIAL_LIMIT: f64 = 4.0;
 /// The largest value of the scale of Kyte and Doolittle, J. Mol. Biol. 157, 105 (1982).
 const LARGEST_HYDROPATHY: f64 = 4.5;
 
-/// Mode of the scaling of channels.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ScalingMode {
-    /// Scaling by what the channel means: `potential` is compressed, `hydropathy` is divided by
-    /// 4.5, all else stays as it is.
-    #[default]
-    Robust,
-    /// No scaling.
-    Raw,
-    /// Scaling of each channel of each sample to mean 0 and deviation 1 over the whole box, empty
-    /// voxels included. A control, known to do harm.
-    BoxStandardised,
+protomer_kernel::choices! {
+    /// Mode of the scaling of channels.
+    pub enum ScalingMode, default Robust, files "snake_case" {
+        /// Potential: arcsinh of the value over a robust scale of the occupied voxels; hydropathy:
+        /// divided by 4.5.
+        Robust = "robust",
+        /// No scaling.
+        Raw = "raw",
+        /// Each sample standardised to mean 0 and deviation 1 over the box; a harmful control.
+        BoxStandardised = "box-standardised",
+    }
 }
 
 /// Transform of a channel.

@@ -15,34 +15,36 @@ use std::collections::BTreeMap;
 /// The class of samples whose own class is too rare.
 pub const OTHER: &str = "other";
 
-/// Quantity that a network is to predict.
-///
-/// ```
-/// use protomer_learn::targets::Target;
-///
-/// assert_eq!(Target::SpaceGroup.read("P 1 21 1")?, "P21");
-/// assert_eq!(Target::PointGroup.read("19")?, "222");
-/// assert_eq!(Target::Polar.read("H 3")?, "polar");
-/// assert!(Target::CrystalSystem.read("P -1").is_err(), "it has an inversion");
-/// # Ok::<(), protomer_learn::LearnError>(())
-/// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Target {
-    /// The label as it is.
-    #[default]
-    Label,
-    /// One of the 65 space groups by its usual symbol, other settings included.
-    SpaceGroup,
-    /// One of the 11 point groups without mirror images.
-    PointGroup,
-    /// One of the 7 crystal systems.
-    CrystalSystem,
-    /// Whether some direction differs from its opposite in every such crystal. It does in the point
-    /// groups 1, 2, 3, 4 and 6.
-    Polar,
-    /// The label as a number, by [`NumberClasses`].
-    Number,
+protomer_kernel::choices! {
+    /// Quantity that a network is to predict.
+    ///
+    /// ```
+    /// use protomer_learn::targets::Target;
+    ///
+    /// assert_eq!(Target::SpaceGroup.read("P 1 21 1")?, "P21");
+    /// assert_eq!(Target::PointGroup.read("19")?, "222");
+    /// assert_eq!(Target::Polar.read("H 3")?, "polar");
+    /// assert!(Target::CrystalSystem.read("P -1").is_err(), "it has an inversion");
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
+    ///
+    /// Space groups are by their usual symbols, other settings included. 65 of them, 11 point groups and 7 crystal
+    /// systems have no mirror images. In polar ones some direction differs from its opposite: those of the point groups
+    /// 1, 2, 3, 4 and 6. Numbers are classes by [`NumberClasses`].
+    pub enum Target, default Label, files "snake_case" {
+        /// The label of the set, unchanged.
+        Label = "label",
+        /// The space group; all settings of a group count as one.
+        SpaceGroup = "space-group",
+        /// The crystal system of the space group.
+        CrystalSystem = "crystal-system",
+        /// The point group of the space group.
+        PointGroup = "point-group",
+        /// Whether the space group is polar.
+        Polar = "polar",
+        /// The label as a number.
+        Number = "number",
+    }
 }
 
 impl Target {

@@ -2,6 +2,7 @@
 //! controls. Three of them run every time: one that must be learnt, one that must not, and one that
 //! gives its label away. `--include-ignored` runs all.
 
+use protomer_kernel::setting::Choices;
 use protomer_learn::SampleSource;
 use protomer_learn::controls::{Control, Experiment, Form, Verdict};
 use protomer_learn::scores::Scores;

@@ -257,6 +257,7 @@ mod tests {
     use protomer_body::residue_contacts::Bead;
     use protomer_kernel::Pose;
     use protomer_kernel::random::CounterRng;
+    use protomer_kernel::setting::Choices;
 
     fn beads(rng: &mut CounterRng, count: usize) -> Vec<Bead> {
         let kinds: Vec<AminoAcid> = AminoAcid::all().collect();
@@ -308,7 +309,7 @@ mod tests {
                 rotation: rng.rotation(),
             };
             let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
-            for scale in ContactScale::ALL {
+            for &scale in ContactScale::ALL {
                 for cores in [false, true] {
                     let potential = match cores {
                         true => ContactPotential::with_cores(scale, 1.0, 310.0).unwrap(),

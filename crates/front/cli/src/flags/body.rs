@@ -163,18 +163,8 @@ pub struct SurfaceFlags {
 #[command(next_help_heading = "Surface")]
 pub struct CoreArgs {
     /// Hard core of the body; native for structures and surface for PQR files if omitted.
-    #[arg(long, value_parser = choice::<Core>())]
-    core: Option<Core>,
-}
-
-protomer_kernel::choices! {
-    /// The hard core of a body.
-    pub enum Core {
-        /// A core within the surface that admits the contacts of natural complexes.
-        Native = "native",
-        /// The solvent-excluded surface itself.
-        Surface = "surface",
-    }
+    #[arg(long, value_parser = choice::<HardCore>())]
+    core: Option<HardCore>,
 }
 
 protomer_kernel::choices! {
@@ -249,10 +239,7 @@ pub fn body_settings(
         },
         mutations: mutations.unwrap_or_default(),
         surface: SurfaceSettings {
-            core: core.core.map(|core| match core {
-                Core::Native => HardCore::Native,
-                Core::Surface => HardCore::Surface,
-            }),
+            core: core.core,
             ..surface.settings(Cavities::Drop)
         },
     })

@@ -2,7 +2,6 @@
 
 pub mod body;
 pub mod cache;
-pub mod choices;
 #[cfg(feature = "learning")]
 pub mod device;
 pub mod execution;

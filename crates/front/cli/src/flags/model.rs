@@ -1,8 +1,8 @@
 //! The flag that names a model.
 
-use super::settings::choice;
+use super::settings::{Chosen, choice};
 use super::solute::{Charges, ChargesArgs, Insides};
-use super::terms::{ContactArgs, Scale, TermsArgs};
+use super::terms::{ContactArgs, TermsArgs};
 use anyhow::Result;
 use clap::Args;
 use protomer_protein_verbs::assemblies::assembly_file::Assembly;
@@ -99,7 +99,7 @@ impl ModelArgs {
         let contacts = model.contacts();
         let strength = contacts.map(|term| term.strength);
         ContactArgs {
-            contacts: Some(contacts.map_or(Scale::None, |term| term.scale.into())),
+            contacts: Some(Chosen(contacts.map(|term| term.scale))),
             contact_strength: flags.contact_strength.or(strength),
         }
     }

@@ -186,15 +186,37 @@ fn given(matches: &ArgMatches, declaration: &Declaration) -> Option<Given> {
 }
 
 fn possible_values(choices: &[Choice]) -> PossibleValuesParser {
-    let value = |choice: &Choice| match choice.text {
+    PossibleValuesParser::new(choices.iter().map(possible_value))
+}
+
+fn possible_value(choice: &Choice) -> PossibleValue {
+    match choice.text {
         [] => PossibleValue::new(choice.name),
         text => PossibleValue::new(choice.name).help(paragraph(text)),
-    };
-    PossibleValuesParser::new(choices.iter().map(value))
+    }
 }
 
 /// Reader of a flag that chooses by name.
 pub fn choice<T: Choices + Send + Sync>() -> impl clap::builder::TypedValueParser<Value = T> {
     use clap::builder::TypedValueParser;
     possible_values(T::CHOICES).try_map(|name| T::from_name(&name).ok_or("no such choice"))
+}
+
+/// A value chosen by name, or none for a word that stands for something else.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chosen<T>(pub Option<T>);
+
+/// Reader of a flag that chooses by name, or something else by this word.
+pub fn choice_or<T: Choices + Send + Sync>(
+    word: &'static str,
+    text: &'static str,
+) -> impl clap::builder::TypedValueParser<Value = Chosen<T>> {
+    use clap::builder::TypedValueParser;
+    let values = T::CHOICES.iter().map(possible_value);
+    let other = PossibleValue::new(word).help(text);
+    let values = PossibleValuesParser::new([other].into_iter().chain(values));
+    values.try_map(move |name| match T::from_name(&name) {
+        None if name != word => Err("no such choice"),
+        chosen => Ok(Chosen(chosen)),
+    })
 }

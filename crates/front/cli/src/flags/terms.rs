@@ -1,6 +1,6 @@
 //! The flags of the energy terms in addition to the charges.
 
-use crate::flags::settings::choice;
+use crate::flags::settings::{Chosen, choice_or};
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer_body::residue_contacts::ContactScale;
@@ -13,8 +13,8 @@ use protomer_protein_verbs::stability::terms::StatedTerms;
 #[command(next_help_heading = "Further terms")]
 pub struct ContactArgs {
     /// Attraction between residues, by a published scale [default: none].
-    #[arg(long, value_parser = choice::<Scale>())]
-    pub contacts: Option<Scale>,
+    #[arg(long, value_parser = choice_or::<ContactScale>("none", "No attraction between residues"))]
+    pub contacts: Option<Chosen<ContactScale>>,
     /// Factor on the attraction of the scale [default: 1].
     #[arg(long, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
     pub contact_strength: Option<f64>,
@@ -29,27 +29,6 @@ pub struct TermsArgs {
     /// Count what charges lose where other bodies displace solvent; with effective charges.
     #[arg(long)]
     pub desolvation: bool,
-}
-
-protomer_kernel::choices! {
-    /// The scales of the contact term.
-    pub enum Scale {
-        /// No attraction between residues.
-        None = "none",
-        /// Ashbaugh-Hatch with the stickiness of Calvados 3.
-        Calvados3 = "calvados3",
-        /// Kim-Hummer with the contact energies of Miyazawa and Jernigan.
-        KimHummer = "kim-hummer",
-    }
-}
-
-impl From<ContactScale> for Scale {
-    fn from(scale: ContactScale) -> Self {
-        match scale {
-            ContactScale::Calvados3 => Self::Calvados3,
-            ContactScale::KimHummer => Self::KimHummer,
-        }
-    }
 }
 
 impl TermsArgs {
@@ -83,9 +62,7 @@ impl ContactArgs {
         core: ContactCore,
     ) -> Result<Option<ContactTerm>> {
         let scale = match self.contacts {
-            Some(Scale::None) => None,
-            Some(Scale::Calvados3) => Some(ContactScale::Calvados3),
-            Some(Scale::KimHummer) => Some(ContactScale::KimHummer),
+            Some(Chosen(scale)) => scale,
             None => present.map(|term| term.scale),
         };
         let Some(scale) = scale else {

@@ -1,14 +1,17 @@
 //! `protomer potential`: the electrostatic potential around a structure.
 
-use crate::flags::choices::{BoundaryValues, DielectricSurface};
 use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use protomer_common::{quantity, range};
-use protomer_field::{DielectricModel, IonModel, PotentialModel, SaltValence, SolveSettings};
+use protomer_field::{
+    BoundaryCondition, DielectricModel, IonModel, PotentialModel, SaltValence, SolveSettings,
+    SurfaceDefinition,
+};
 use protomer_kernel::Electrolyte;
+use protomer_kernel::setting::Choices;
 use protomer_protein_verbs::potential::{PotentialSettings, potential, read_places};
 use std::path::PathBuf;
 
@@ -42,8 +45,8 @@ pub struct PotentialArgs {
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     margin: f64,
     /// Potential on the faces of the grid.
-    #[arg(long, value_enum, default_value_t = BoundaryValues::ScreenedAtoms)]
-    boundary: BoundaryValues,
+    #[arg(long, value_parser = choice::<BoundaryCondition>(), default_value = BoundaryCondition::default().name())]
+    boundary: BoundaryCondition,
     /// Temperature, K.
     #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
@@ -57,8 +60,8 @@ pub struct PotentialArgs {
     #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     ion_radius: f64,
     /// The dielectric boundary.
-    #[arg(long, value_enum, default_value_t = DielectricSurface::SolventExcluded)]
-    surface: DielectricSurface,
+    #[arg(long, value_parser = choice::<SurfaceDefinition>(), default_value = SurfaceDefinition::default().name())]
+    surface: SurfaceDefinition,
     /// Probe radius of the surface, Å.
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     probe: f64,
@@ -84,7 +87,7 @@ impl PotentialArgs {
             solve: SolveSettings {
                 spacing_angstrom: self.spacing,
                 margin_angstrom: self.margin,
-                boundary: self.boundary.into(),
+                boundary: self.boundary,
                 ..SolveSettings::default()
             },
             estimate_error: !self.no_error_estimate,
@@ -113,7 +116,7 @@ impl PotentialArgs {
         Ok(DielectricModel {
             electrolyte,
             inner_permittivity: self.inner_permittivity,
-            surface: self.surface.into(),
+            surface: self.surface,
             probe_angstrom: self.probe,
             ion_radius_angstrom: self.ion_radius,
             ion_response: self.ions.with(self.valence),

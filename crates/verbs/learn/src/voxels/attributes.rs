@@ -12,6 +12,7 @@ use super::statistics::Statistics;
 use anyhow::Result;
 use protomer_field::voxels::Channel;
 use protomer_io::zarr;
+use protomer_kernel::setting::Choices;
 use protomer_results::ResultKind;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};

@@ -10,6 +10,7 @@ use super::statistics::Gathering;
 use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::zarr::{self, SampleReader, SetPlan, SetReader, SetWriter};
+use protomer_kernel::setting::Choices;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -5,6 +5,7 @@ use protomer_body::chemistry::StructureTitration;
 use protomer_field::DielectricModel;
 use protomer_field::voxels::{Channel, Lattice, Orientation, PotentialModel, VoxelSettings};
 use protomer_kernel::Electrolyte;
+use protomer_kernel::setting::Choices;
 use serde::{Deserialize, Serialize};
 
 /// Edge of the voxels.
@@ -135,7 +136,7 @@ impl VoxelizeSettings {
             bail!("no channels are given; give at least one");
         }
         for (place, channel) in self.channels.iter().enumerate() {
-            let is_of_partner = Channel::OF_PARTNER.contains(channel);
+            let is_of_partner = Channel::PARTNER.contains(channel);
             if is_of_partner && self.interface_reach_angstrom.is_none() {
                 bail!(
                     "the channel {} is that of a partner; give a manifest with a column 'partner'",

@@ -10,6 +10,7 @@ use super::settings::VoxelizeSettings;
 use anyhow::Result;
 use protomer_field::voxels::{Channel, Voxels};
 use protomer_io::zarr::{of_stored_bits, stored_bits};
+use protomer_kernel::setting::Choices;
 use protomer_learn::scaling::where_defined;
 use protomer_learn::split::{Fractions, Ranks, Split};
 use serde::Serialize;

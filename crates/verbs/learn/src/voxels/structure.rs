@@ -22,6 +22,7 @@ use protomer_io::digest::Digest;
 use protomer_io::pqr::read_pqr_file;
 use protomer_io::zarr::as_stored;
 use protomer_kernel::plain_text::line_end_warning;
+use protomer_kernel::setting::Choices;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_results::FileRecord;
 use serde::{Deserialize, Serialize};

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail};
 use protomer_body::residue_contacts::ContactScale;
+use protomer_kernel::setting::Choices;
 use protomer_mc::BodyType;
 use protomer_mc::energy::ContactPotential;
 use serde::{Deserialize, Serialize};
@@ -19,15 +20,14 @@ pub struct ContactTerm {
     pub core: ContactCore,
 }
 
-/// Cores that keep residues of different bodies apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ContactCore {
-    /// The hard surfaces of the bodies.
-    #[default]
-    Surface,
-    /// The cores that the published force field gives its beads; surfaces then do not count.
-    Beads,
+protomer_kernel::choices! {
+    /// Cores that keep residues of different bodies apart.
+    pub enum ContactCore, default Surface {
+        /// The solvent-excluded surfaces.
+        Surface = "surface",
+        /// The beads of the published force field, for comparison with programs that have no surfaces.
+        Beads = "beads",
+    }
 }
 
 impl ContactTerm {

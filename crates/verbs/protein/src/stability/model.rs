@@ -29,8 +29,9 @@ protomer_kernel::choices! {
     ///
     /// ```
     /// use protomer_body::HardCore;
+    /// use protomer_kernel::setting::Choices;
     /// use protomer_protein_verbs::stability::model::Model;
-    /// let names: Vec<&str> = Model::ALL.into_iter().map(Model::name).collect();
+    /// let names: Vec<&str> = Model::ALL.iter().map(|model| model.name()).collect();
     /// assert_eq!(names, ["natural-1", "solution-1", "solution-2", "thesis"]);
     /// assert_eq!((Model::Thesis.core(), Model::Thesis.contacts()), (HardCore::Surface, None));
     /// ```
@@ -50,19 +51,6 @@ protomer_kernel::choices! {
 }
 
 impl Model {
-    /// All models.
-    pub const ALL: [Self; 4] = [
-        Self::Natural1,
-        Self::Solution1,
-        Self::Solution2,
-        Self::Thesis,
-    ];
-
-    /// Name by which users choose the model.
-    pub fn name(self) -> &'static str {
-        Choices::name(self)
-    }
-
     /// Attraction between residues.
     ///
     /// ```
@@ -130,7 +118,7 @@ impl Model {
     /// The model with these terms between bodies whose own charges interact; `None` if no model has them.
     pub fn with_terms(terms: &FurtherTerms) -> Option<Self> {
         let is_it = |model: &Self| *terms == model.terms();
-        Self::ALL.into_iter().find(is_it)
+        Self::ALL.iter().copied().find(is_it)
     }
 
     /// The first body of residues whose hard core is not that of the model.
@@ -200,7 +188,7 @@ mod tests {
 
     #[test]
     fn terms_are_named_by_the_model_that_has_them() {
-        for model in Model::ALL {
+        for &model in Model::ALL {
             let terms = model.terms();
             assert_eq!(name_of_terms(&terms, true, &[]), model.name());
             assert!(model.body_warning(&[]).is_none());

@@ -2,7 +2,6 @@
 //! with it.
 
 use super::labels::LabelArgs;
-use crate::flags::choices::learning::{LearningTarget, Scaling};
 use crate::flags::device::DeviceArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::override_with;
@@ -14,6 +13,7 @@ use clap::Args;
 use protomer_common::range;
 use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
+use protomer_learn::scaling::ScalingMode;
 use protomer_learn::split::Fractions;
 use protomer_learn::targets::Target;
 use protomer_learn::training::Loss;
@@ -32,8 +32,8 @@ use std::path::{Path, PathBuf};
 #[command(next_help_heading = "Task")]
 pub struct TaskArgs {
     /// The quantity to predict [default: label].
-    #[arg(long, value_enum)]
-    target: Option<LearningTarget>,
+    #[arg(long, value_parser = choice::<Target>())]
+    target: Option<Target>,
     /// Classes with fewer samples become one class, "other" [default: 10].
     #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     least_samples: Option<usize>,
@@ -61,8 +61,8 @@ pub struct TaskArgs {
     #[arg(long, allow_negative_numbers = true)]
     training_share: Option<f64>,
     /// Scaling of the channels [default: robust].
-    #[arg(long, value_enum)]
-    scaling: Option<Scaling>,
+    #[arg(long, value_parser = choice::<ScalingMode>())]
+    scaling: Option<ScalingMode>,
     /// Exchanges of labels in the permutation test [default: 1000].
     #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     permutations: Option<usize>,
@@ -92,7 +92,7 @@ impl TaskArgs {
 
     /// Overrides settings with the flags.
     pub fn override_in(&self, settings: &mut TrainSettings) -> Result<()> {
-        override_with(&mut settings.target, self.target.map(Into::into));
+        override_with(&mut settings.target, self.target);
         override_with(&mut settings.least_samples, self.least_samples);
         if self.target.is_some() && settings.target != Target::Number {
             // Another target than that of the configuration has no use for its number of classes.
@@ -122,7 +122,7 @@ impl TaskArgs {
                 test,
             };
         }
-        override_with(&mut settings.training.scaling, self.scaling.map(Into::into));
+        override_with(&mut settings.training.scaling, self.scaling);
         override_with(&mut settings.permutations, self.permutations);
         settings.rotations |= self.rotations;
         Ok(())

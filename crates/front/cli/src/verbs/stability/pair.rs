@@ -76,8 +76,8 @@ pub struct PairArgs {
     #[command(flatten)]
     part: PartArgs,
     /// Hard cores of the bodies: their surfaces, or the cores of the beads of the contact term.
-    #[arg(long, value_parser = choice::<CoreChoice>(), default_value = "surface")]
-    core: CoreChoice,
+    #[arg(long, value_parser = choice::<ContactCore>(), default_value = "surface")]
+    core: ContactCore,
     #[command(flatten)]
     terms: TermsArgs,
     #[command(flatten)]
@@ -88,16 +88,6 @@ pub struct PairArgs {
     execution: ExecutionArgs,
     #[command(flatten)]
     cache: CacheArgs,
-}
-
-protomer_kernel::choices! {
-    /// Hard cores of two bodies.
-    enum CoreChoice {
-        /// The solvent-excluded surfaces.
-        Surface = "surface",
-        /// The beads of the published force field, for comparison with programs that have no surfaces.
-        Beads = "beads",
-    }
 }
 
 impl PairArgs {
@@ -203,19 +193,14 @@ impl PairArgs {
 
     fn stated_terms(&self) -> Result<StatedTerms> {
         let terms = self.model.terms(&self.terms);
-        match self.core {
-            CoreChoice::Surface => terms.over(StatedTerms::default(), ContactCore::Surface),
-            CoreChoice::Beads => {
-                let stated = terms.over(StatedTerms::default(), ContactCore::Beads)?;
-                if stated.contacts.is_none() {
-                    bail!(
-                        "--core beads takes the cores of a contact term; add --contacts calvados3, or \
-                         leave it out"
-                    );
-                }
-                Ok(stated)
-            }
+        let stated = terms.over(StatedTerms::default(), self.core)?;
+        if self.core == ContactCore::Beads && stated.contacts.is_none() {
+            bail!(
+                "--core beads takes the cores of a contact term; add --contacts calvados3, or \
+                 leave it out"
+            );
         }
+        Ok(stated)
     }
 
     fn settings(&self) -> Result<PairRunSettings> {

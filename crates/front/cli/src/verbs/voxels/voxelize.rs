@@ -1,7 +1,6 @@
 //! `protomer voxelize`: structures to a set of voxel grids.
 
 use crate::flags::body::ProtonationArgs;
-use crate::flags::choices::learning::VoxelChannel;
 use crate::flags::scheduler::SchedulerArgs;
 use crate::flags::settings::choice;
 use crate::front::Front;
@@ -45,8 +44,8 @@ pub struct VoxelizeArgs {
     spacing: Spacing,
     /// Channels of the voxels [default: shape,potential,hydropathy; of interfaces also those of the
     /// partner].
-    #[arg(long, value_enum, value_delimiter = ',')]
-    channels: Option<Vec<VoxelChannel>>,
+    #[arg(long, value_parser = choice::<Channel>(), value_delimiter = ',')]
+    channels: Option<Vec<Channel>>,
     /// For interfaces: the voxels of one body that have an atom of the other this near are kept, Å
     /// [default: 8].
     #[arg(long, allow_negative_numbers = true)]
@@ -155,10 +154,10 @@ impl VoxelizeArgs {
 
     fn channels(&self, has_partners: bool) -> Vec<Channel> {
         match &self.channels {
-            Some(chosen) => chosen.iter().map(|name| (*name).into()).collect(),
+            Some(chosen) => chosen.clone(),
             None => {
                 let mut usual = VoxelizeSettings::default().channels;
-                usual.extend(Channel::OF_PARTNER.into_iter().filter(|_| has_partners));
+                usual.extend(Channel::PARTNER.into_iter().filter(|_| has_partners));
                 usual
             }
         }

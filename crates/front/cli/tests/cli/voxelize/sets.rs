@@ -250,7 +250,7 @@ fn an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been() {
 fn shards_join_to_what_one_run_makes() {
     let place = Place::new();
     let settings = VoxelizeSettings {
-        channels: Channel::ALL.to_vec(),
+        channels: Channel::SINGLE.to_vec(),
         spacing: Spacing::Fit(Fit::Fit),
         ..settings()
     };

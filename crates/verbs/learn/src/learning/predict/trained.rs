@@ -3,6 +3,7 @@
 use crate::learning::labels::{LABELS, LabelTable};
 use crate::learning::train::{MODEL, Metrics, SETTINGS, Source, TrainSettings, TrainedOn};
 use anyhow::{Context, Result, bail};
+use protomer_kernel::setting::Choices;
 use protomer_learn::targets::number;
 use protomer_learn::training::Model;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,6 @@
 //! The verdict on a control, as it stands in the metrics.
 
+use protomer_kernel::setting::Choices;
 use protomer_learn::controls::{Control, Form};
 use serde::{Deserialize, Serialize};
 

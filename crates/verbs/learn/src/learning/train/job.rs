@@ -7,6 +7,7 @@ use super::metrics::Metrics;
 use super::run::{train_holding, train_in};
 use super::settings::{Source, TrainSettings};
 use anyhow::{Result, bail};
+use protomer_kernel::setting::Choices;
 use protomer_learn::Device;
 use protomer_learn::ablation::{Ablation, AblationRun, plan};
 use protomer_learn::controls::{Control, Experiment, Form};

@@ -14,6 +14,7 @@ use protomer_common::page::{
     Contents, Data, Origin, Part, Section, SettingsText, millimolar, significant,
 };
 use protomer_io::csv::{Cell, Table};
+use protomer_kernel::setting::Choices;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::Record;
 use serde_json::Value;

@@ -36,11 +36,6 @@ protomer_kernel::choices! {
     }
 }
 
-impl Part {
-    /// Every part, in the order of the report.
-    pub const ALL: [Part; 4] = [Part::Charges, Part::Parts, Part::Bodies, Part::Threads];
-}
-
 /// Settings of the benchmark without an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SuiteSettings {
@@ -160,7 +155,7 @@ pub fn run_suite(
         threads: Vec::new(),
     };
     for part in Part::ALL
-        .into_iter()
+        .iter()
         .filter(|part| settings.parts.contains(part))
     {
         match part {

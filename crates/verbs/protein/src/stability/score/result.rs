@@ -6,6 +6,7 @@ use super::{Complexes, ScoreSettings, figure};
 use anyhow::Result;
 use protomer_common::answer::{Answer, counted};
 use protomer_io::atomic::write_atomically;
+use protomer_kernel::setting::Choices;
 use protomer_plot::Figure;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
