@@ -5,6 +5,8 @@ inertia coxeter sums absolute volumes of tetrahedra about the centroid, which ho
 reference for a sphere is coxeter, and for a protein trimesh.
 """
 
+import re
+
 import coxeter
 import numpy as np
 import pytest
@@ -36,6 +38,10 @@ def require_equal(ours, theirs, tolerance=1e-9):
         assert np.allclose(value, theirs[key], rtol=tolerance, atol=1e-7 if key == "centroid" else 0), key
 
 
+SINGLE_PRECISION = {"stl": 1e-5}
+"""Formats that hold 32-bit numbers, with the tolerance for them."""
+
+
 def written_mesh(path):
     mesh = trimesh.load(path, process=False, force="mesh")
     if path.suffix == ".stl":
@@ -65,9 +71,17 @@ def test_area_and_volume_of_surfaces(tmp_path, protomer, structure):
             require_equal(ours, wrong)
 
 
-@pytest.mark.parametrize("suffix, tolerance", [("ply", 1e-9), ("obj", 1e-9), ("off", 1e-9), ("stl", 1e-5)])
-def test_every_mesh_format(tmp_path, protomer, suffix, tolerance):
-    """STL holds 32-bit numbers."""
+def test_every_mesh_format(tmp_path, protomer):
+    """The formats that the error about another one names."""
+    with pytest.raises(AssertionError, match="name it ") as refusal:
+        protomer("surface", STRUCTURES[0], "-o", tmp_path / "mesh.unknown")
+    suffixes = re.findall(r"\.([a-z]+)\b", str(refusal.value).split("name it ")[1].splitlines()[0])
+    assert len(suffixes) >= 4
+    for suffix in suffixes:
+        require_same_mesh(tmp_path, protomer, suffix, tolerance=SINGLE_PRECISION.get(suffix, 1e-9))
+
+
+def require_same_mesh(tmp_path, protomer, suffix, tolerance):
     outcome = protomer("surface", STRUCTURES[0], "--density", "0.7", "-o", tmp_path / f"mesh.{suffix}", "--json")
     ours = {"area": outcome["mesh_area_angstrom2"], "volume": outcome["mesh_volume_angstrom3"]}
     vertices, faces = written_mesh(tmp_path / f"mesh.{suffix}")

@@ -151,8 +151,8 @@ def body(
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
-    """Make a body from a mesh (PLY, OFF, OBJ, STL) and charges (PQR, or whitespace-separated x y z
-    charge). Coordinates are kept: the body's origin is that of the files."""
+    """Make a body from a mesh and charges (PQR, or whitespace-separated x y z charge). Coordinates are
+    kept: the body's origin is that of the files."""
 
 class _Assemble:
     """Build assemblies: from the chains of a structure, as a ring or a stack of two rings, or at random."""
@@ -1467,8 +1467,8 @@ framework: _Framework
 class _Shape:
     """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second virial
     coefficient, exactly. The shape is that of a file: the corners of a convex polygon (text with two
-    columns), the convex hull of points in space (three columns), or a convex .off, .obj, .ply or .stl
-    mesh; concave ones are refused. One point with a rounding is a disk or a ball. Or it has a name:
+    columns), the convex hull of points in space (three columns), or a convex mesh, such as an .off
+    file; concave ones are refused. One point with a rounding is a disk or a ball. Or it has a name:
     tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron, rhombic-dodecahedron
     (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to
     1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N
@@ -1486,9 +1486,9 @@ class _Shape:
     ) -> Result:
         """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second
         virial coefficient, exactly. The shape is that of a file: the corners of a convex polygon (text
-        with two columns), the convex hull of points in space (three columns), or a convex .off, .obj,
-        .ply or .stl mesh; concave ones are refused. One point with a rounding is a disk or a ball. Or
-        it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron,
+        with two columns), the convex hull of points in space (three columns), or a convex mesh, such as
+        an .off file; concave ones are refused. One point with a rounding is a disk or a ball. Or it has
+        a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron,
         rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron
         with edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT
         (edges of length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes)."""

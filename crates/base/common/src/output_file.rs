@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_bytes;
 use protomer_io::destination::is_stream_at;
+pub use protomer_io::mesh::MeshFormat;
 use std::path::Path;
 
 /// Writes a file. One that holds exactly these bytes is left alone, so that the same command may be

@@ -4,7 +4,7 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`mesh`] | triangle meshes: PLY, OBJ, OFF, STL |
+//! | [`mesh`] | triangle meshes, a module for each format |
 //! | [`points`] | spheres and point charges: `.xyzr`, x y z charge |
 //! | [`pqr`] | atoms with charge and radius |
 //! | [`container`] | named arrays and a JSON header in one checksummed file: bodies, checkpoints |

@@ -2,6 +2,7 @@
 
 use protomer_io::mesh::{MeshFormat, read_mesh, write_mesh};
 use protomer_io::points::read_points;
+use protomer_kernel::setting::Choices;
 use protomer_kernel::{TriangleMesh, Vec3};
 use std::time::Instant;
 
@@ -27,12 +28,11 @@ fn inputs_of_100_megabytes_are_answered() {
         ("lines", fill("\n")),
     ];
     for (what, bytes) in &inputs {
-        for name in [
-            "x.ply", "x.obj", "x.off", "x.stl", "x.pqr", "x.xyzr", "x.xyzq",
-        ] {
+        let meshes = MeshFormat::ALL.iter().map(|format| format.name());
+        for extension in meshes.chain(["pqr", "xyzr", "xyzq"]) {
+            let name = &format!("x.{extension}");
             let start = Instant::now();
-            let mesh = name.ends_with(['y', 'j', 'f', 'l']);
-            let answer = if mesh {
+            let answer = if MeshFormat::from_name(name).is_ok() {
                 read_mesh(name, bytes).map(|_| ())
             } else {
                 read_points(name, bytes).map(|_| ())
@@ -67,12 +67,8 @@ fn a_mesh_of_a_million_vertices_is_read_in_seconds() {
         vertices,
         triangles,
     };
-    for (format, name) in [
-        (MeshFormat::Ply, "x.ply"),
-        (MeshFormat::Obj, "x.obj"),
-        (MeshFormat::Off, "x.off"),
-        (MeshFormat::Stl, "x.stl"),
-    ] {
+    for &format in MeshFormat::ALL {
+        let name = &format!("x.{}", format.name());
         let start = Instant::now();
         let bytes = write_mesh(format, &mesh);
         let written = start.elapsed().as_secs_f64();

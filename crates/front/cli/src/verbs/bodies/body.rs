@@ -4,10 +4,11 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_common::output_file::MeshFormat;
 use protomer_protein_verbs::bodies::own_body::{OwnBody, make};
 use std::path::PathBuf;
 
-/// Make a body from a mesh (PLY, OFF, OBJ, STL) and charges (PQR, or whitespace-separated x y z
+/// Make a body from a mesh and charges (PQR, or whitespace-separated x y z
 /// charge). Coordinates are kept: the body's origin is that of the files.
 #[derive(Debug, Args)]
 #[command(after_long_help = examples!(
@@ -15,8 +16,7 @@ use std::path::PathBuf;
     "body --mesh cube.off -o cube.body"
 ))]
 pub struct BodyArgs {
-    /// Closed, outward mesh, Å.
-    #[arg(long)]
+    #[arg(long, help = format!("Closed, outward mesh, Å: {}", MeshFormat::extensions()))]
     mesh: PathBuf,
     /// Charges; if omitted, the body is hard and neutral.
     #[arg(long)]

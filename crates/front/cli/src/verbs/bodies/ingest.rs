@@ -1,12 +1,13 @@
 //! `protomer ingest`: structure files to bodies.
 
 use crate::flags::body::{ChargeArgs, CoreArgs, SelectionArgs, SurfaceFlags, body_settings};
-use crate::flags::settings::choice;
+use crate::flags::settings::{Chosen, choice_or};
 use crate::front::Front;
 use crate::reply::{Outcome, Reply};
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer_common::input;
+use protomer_common::output_file::MeshFormat;
 use protomer_common::range;
 use protomer_kernel::setting::Choices;
 use protomer_protein_verbs::bodies::ingest::{IngestSettings, Ingested, ingest_files};
@@ -40,8 +41,8 @@ pub struct IngestArgs {
     #[command(flatten)]
     core: CoreArgs,
     /// Write the mesh and the charges in these formats as well.
-    #[arg(long, value_parser = choice::<Export>(), value_delimiter = ',')]
-    export: Vec<Export>,
+    #[arg(long, value_parser = choice_or::<MeshFormat>(CHARGES, "Charges and radii"), value_delimiter = ',')]
+    export: Vec<Chosen<MeshFormat>>,
     /// For very many files: outcomes and warnings go to ingest.csv and warnings.csv in the output
     /// folder instead of the answer, memory is bounded, and the same command continues.
     #[arg(long, conflicts_with = "name", help_heading = "Many files")]
@@ -58,24 +59,18 @@ pub struct IngestArgs {
     time_limit: Option<f64>,
 }
 
-protomer_kernel::choices! {
-    enum Export {
-        Ply = "ply",
-        Obj = "obj",
-        Off = "off",
-        Stl = "stl",
-        Pqr = "pqr",
-    }
-}
+/// Extension of the file of charges.
+const CHARGES: &str = "pqr";
 
 impl IngestArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let files = input::expand(&self.inputs)?;
         self.check_name(files.len())?;
+        let name = |Chosen(format): &Chosen<MeshFormat>| format.map_or(CHARGES, Choices::name);
         let settings = IngestSettings {
             body: body_settings(&self.selection, &self.charges, &self.surface, self.core)?,
             name: self.name.clone(),
-            exports: self.export.iter().map(|export| export.name()).collect(),
+            exports: self.export.iter().map(name).collect(),
             force: front.force(),
         };
         if self.stream {

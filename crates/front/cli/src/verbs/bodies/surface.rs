@@ -5,6 +5,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
+use protomer_common::output_file::MeshFormat;
 use protomer_protein_verbs::bodies::surface_of_file::measure_surface;
 use std::path::PathBuf;
 
@@ -18,8 +19,7 @@ use std::path::PathBuf;
 pub struct SurfaceArgs {
     /// Structure, PQR, body or .xyzr file, optionally gzipped.
     input: PathBuf,
-    /// Mesh file to write: .ply, .obj, .off or .stl.
-    #[arg(short, long)]
+    #[arg(short, long, help = format!("Mesh file to write: {}", MeshFormat::extensions()))]
     output: Option<PathBuf>,
     #[command(flatten)]
     surface: SurfaceFlags,

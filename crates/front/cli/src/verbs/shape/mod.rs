@@ -10,18 +10,20 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
+use protomer_common::output_file::MeshFormat;
 use protomer_shape_verbs::shapes::measure_shape;
 use std::path::PathBuf;
 
 /// Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second
 /// virial coefficient, exactly.
 ///
-/// The shape is that of a file: the corners of a convex polygon (text with two columns), the convex hull
-/// of points in space (three columns), or a convex .off, .obj, .ply or .stl mesh; concave ones are
-/// refused. One point with a rounding is a disk or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron,
-/// rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with
-/// edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of
-/// length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
+/// The shape is that of a file: the corners of a convex polygon (text with two columns), the convex
+/// hull of points in space (three columns), or a convex mesh, such as an .off file; concave ones are
+/// refused. One point with a rounding is a disk or a ball. Or it has a name: tetrahedron, cube,
+/// octahedron, dodecahedron, icosahedron, truncated-octahedron, rhombic-dodecahedron (edges of length
+/// 1), truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to 1, the octahedron;
+/// 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N (area 1),
+/// ellipse:A,B and ellipsoid:A,B,C (half axes).
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 #[command(after_long_help = examples!(
@@ -33,8 +35,7 @@ pub struct ShapeArgs {
     shape: Option<String>,
     #[command(flatten)]
     rounding: RoundingArgs,
-    /// Mesh file to write, without the rounding: .ply, .obj, .off or .stl.
-    #[arg(short, long)]
+    #[arg(short, long, help = format!("Mesh file to write, without the rounding: {}", MeshFormat::extensions()))]
     output: Option<PathBuf>,
     #[command(subcommand)]
     verb: Option<ShapeVerb>,
