@@ -22,6 +22,7 @@ pub const NAMES: [&[&str]; 3] = [
         "hcp",
         "diamond",
         "hexagonal-diamond",
+        "a15",
     ],
 ];
 
@@ -91,6 +92,7 @@ impl<const D: usize> UnitCell<D> {
             (3, "bcc") => (&[1.0; 3], &[&[0.0; 3], &[0.5; 3]]),
             (3, "fcc") => (&[1.0; 3], &FCC),
             (3, "hcp") => (&[1.0, SQRT_3, SQRT_8_3], &HCP),
+            (3, "a15") => (&[1.0; 3], &A15),
             (3, "diamond") => (&[1.0; 3], &DIAMOND),
             (3, "hexagonal-diamond") => (&[1.0, SQRT_3, SQRT_8_3], &HEXAGONAL_DIAMOND),
             _ => {
@@ -224,6 +226,17 @@ const HCP: [&[f64]; 4] = [
     &[0.5, 0.5, 0.0],
     &[0.0, THIRD, 0.5],
     &[0.5, 0.5 + THIRD, 0.5],
+];
+/// β-tungsten or Cr₃Si (Strukturbericht A15): a body-centred lattice, and on the faces chains along the three axes.
+const A15: [&[f64]; 8] = [
+    &[0.0, 0.0, 0.0],
+    &[0.5, 0.5, 0.5],
+    &[0.0, 0.5, 0.25],
+    &[0.0, 0.5, 0.75],
+    &[0.25, 0.0, 0.5],
+    &[0.75, 0.0, 0.5],
+    &[0.5, 0.25, 0.0],
+    &[0.5, 0.75, 0.0],
 ];
 const DIAMOND: [&[f64]; 8] = [
     &[0.0, 0.0, 0.0],
@@ -685,6 +698,8 @@ mod tests {
             ("fcc", 108, PI / 18.0_f64.sqrt()),
             ("hcp", 96, PI / 18.0_f64.sqrt()),
             ("diamond", 64, PI * 3.0_f64.sqrt() / 16.0),
+            // Neighbours along the chains are half an edge apart.
+            ("a15", 64, PI / 6.0),
             ("hexagonal-diamond", 64, PI * 3.0_f64.sqrt() / 16.0),
         ] {
             let found = densest(name, &ball::<3>(), bodies);
