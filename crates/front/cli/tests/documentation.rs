@@ -3,6 +3,8 @@
 //! the output printed below them. The blocks of a page run in order in one folder of their own, which
 //! holds a link to `data`. In a block marked `console approximate` only the words must agree.
 //!
+//! Tables of options in the guide and the `run.toml` of `docs/reference/formats.md` follow a default that changes.
+//!
 //! `python/protomer/_verbs.pyi` holds the types of the verbs as Python functions.
 //!
 //! `UPDATE_REFERENCE=1 cargo test -p protomer-cli --test documentation` writes all of it anew; read the
@@ -13,10 +15,14 @@
 
 #[path = "common/cache.rs"]
 mod cache;
+#[path = "common/defaults.rs"]
+mod defaults;
 
 use cache::Cache;
+use protomer_protein_verbs::stability::run::RunSettings;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_protomer");
 /// Variables that the help shows with their value, or that change what a command does.
@@ -25,6 +31,9 @@ const VARIABLES: [&str; 3] = [
     "PROTOMER_FETCH_BASE",
     "ACTION_WALLTIME_IN_MINUTES",
 ];
+
+/// Held by whoever reads and writes pages of the guide.
+static GUIDE: Mutex<()> = Mutex::new(());
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -183,7 +192,37 @@ fn the_reference_holds_the_help_of_every_verb() {
                     early on request and resumable, 130 ended at once by a second Ctrl-C or SIGTERM.\n"
             .to_owned();
     describe(&[], &mut page);
-    check_or_update(&root().join("docs/reference/cli.md"), &page).unwrap();
+    let path = root().join("docs/reference/cli.md");
+    if std::env::var_os("UPDATE_REFERENCE").is_some() {
+        let before = std::fs::read_to_string(&path).unwrap_or_default();
+        carry_defaults_over(&before, &page);
+    }
+    check_or_update(&path, &page).unwrap();
+}
+
+/// Writes the defaults that have changed since the reference page was written into the guide.
+fn carry_defaults_over(before: &str, after: &str) {
+    let [old, new] = [before, after].map(defaults::read);
+    let _alone = GUIDE.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in pages("guide") {
+        let page = std::fs::read_to_string(&path).unwrap();
+        let name = path.file_stem().unwrap().to_string_lossy();
+        let carried = defaults::carried_over(&page, &name, &old, &new);
+        if carried != page {
+            std::fs::write(&path, carried).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_settings_in_the_page_of_formats_are_the_defaults() {
+    let mut settings = toml::Table::try_from(RunSettings::default()).unwrap();
+    if let Some(toml::Value::Table(medium)) = settings.remove("medium") {
+        settings.extend(medium);
+    }
+    let path = root().join("docs/reference/formats.md");
+    let page = std::fs::read_to_string(&path).unwrap();
+    check_or_update(&path, &defaults::with_settings(&page, &settings)).unwrap();
 }
 
 #[test]
@@ -232,15 +271,19 @@ fn run(line: &str, folder: &Path, cache: &Path) -> String {
         .collect()
 }
 
+/// The pages of a folder of `docs`.
+fn pages(folder: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(root().join("docs").join(folder)).unwrap();
+    let mut pages: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    pages.sort();
+    assert!(!pages.is_empty());
+    pages
+}
+
 /// Every page of a folder of `docs` shows what its commands print. Its pages share a cache of energy
 /// tables, as they would on a reader's machine.
 fn check_pages(folder: &str) {
-    let mut pages: Vec<PathBuf> = std::fs::read_dir(root().join("docs").join(folder))
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
-    pages.sort();
-    assert!(!pages.is_empty());
+    let pages = pages(folder);
     let cache = Cache::new();
     let check = |path: &PathBuf| {
         let page = std::fs::read_to_string(path).unwrap();
@@ -252,6 +295,7 @@ fn check_pages(folder: &str) {
 
 #[test]
 fn the_guide_shows_what_its_commands_print() {
+    let _alone = GUIDE.lock().unwrap_or_else(PoisonError::into_inner);
     check_pages("guide");
 }
 

@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use protomer_common::{quantity, range};
 use protomer_protein_verbs::scattering::{ExperimentSettings, ScatteringSettings, scattering};
+use protomer_protein_verbs::stability::DEFAULT_CONTACT_GAP_ANGSTROM;
 use std::path::PathBuf;
 
 /// Compute the scattering of light and X-rays by an assembly or by the trajectories of a run:
@@ -49,8 +50,7 @@ pub struct ScatteringArgs {
     /// Thickness of the water that moves with a body, Å.
     #[arg(long, default_value_t = 1.1)]
     hydration: f64,
-    /// Surfaces closer than this are in contact, Å [default: that of the run, or 5].
-    #[arg(long, value_parser = range::CONTACT_GAP.number())]
+    #[arg(long, help = format!("Surfaces closer than this are in contact, Å [default: that of the run, or {DEFAULT_CONTACT_GAP_ANGSTROM}]"), value_parser = range::CONTACT_GAP.number())]
     contact_gap: Option<f64>,
     /// Seed of the random directions.
     #[arg(long, default_value_t = 1)]
