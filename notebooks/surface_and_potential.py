@@ -125,7 +125,7 @@ assert body.net_charge_e > 0 and potential.mean() > 0
 # %% [markdown]
 # ## Hydropathy
 #
-# Every vertex takes the Kyte-Doolittle value of the residue whose atom is nearest.
+# Every vertex takes the hydropathy of the residue whose atom is nearest.
 
 # %%
 hydropathy = body.hydropathy[distance.argmin(axis=1)]

@@ -154,7 +154,7 @@ impl Body {
         Array1::from_vec(self.body.capacitances_e2.clone()).into_pyarray(py)
     }
 
-    /// Kyte-Doolittle hydropathy of each atom's residue, (S,); NaN where the scale has no value.
+    /// Hydropathy index of each atom's residue, (S,); NaN where the scale has no value.
     #[getter]
     fn hydropathy<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.per_site(py, |site| {

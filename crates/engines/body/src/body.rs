@@ -98,7 +98,7 @@ pub struct Residue {
     pub name: String,
     /// Net charge at the body's pH, e.
     pub charge_e: f64,
-    /// Kyte-Doolittle hydropathy index (J. Mol. Biol. 157, 105 (1982)); `None` where the scale has
+    /// Hydropathy index ([`hydropathy`](crate::chemistry::hydropathy)); `None` where the scale has
     /// no value.
     pub hydropathy: Option<f64>,
 }

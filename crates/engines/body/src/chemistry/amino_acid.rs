@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// ```
 /// use protomer_body::chemistry::AminoAcid;
-/// assert_eq!((AminoAcid::Lys.letter(), AminoAcid::Lys.hydropathy()), ('K', -3.9));
+/// assert_eq!(AminoAcid::Lys.letter(), 'K');
 /// assert_eq!(AminoAcid::Ser.side_chain(), ["CB", "OG"]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -34,87 +34,56 @@ pub enum AminoAcid {
     Val,
 }
 
-/// Name, letter, Kyte-Doolittle hydropathy, side chain's heavy atoms.
-type Entry = (AminoAcid, &'static str, char, f64, &'static [&'static str]);
+/// Name, letter, side chain's heavy atoms.
+type Entry = (AminoAcid, &'static str, char, &'static [&'static str]);
 
-/// Hydropathy: Kyte and Doolittle, J. Mol. Biol. 157, 105 (1982), table 2.
 const TABLE: [Entry; 20] = [
-    (AminoAcid::Ala, "ALA", 'A', 1.8, &["CB"]),
+    (AminoAcid::Ala, "ALA", 'A', &["CB"]),
     (
         AminoAcid::Arg,
         "ARG",
         'R',
-        -4.5,
         &["CB", "CG", "CD", "NE", "CZ", "NH1", "NH2"],
     ),
-    (
-        AminoAcid::Asn,
-        "ASN",
-        'N',
-        -3.5,
-        &["CB", "CG", "OD1", "ND2"],
-    ),
-    (
-        AminoAcid::Asp,
-        "ASP",
-        'D',
-        -3.5,
-        &["CB", "CG", "OD1", "OD2"],
-    ),
-    (AminoAcid::Cys, "CYS", 'C', 2.5, &["CB", "SG"]),
+    (AminoAcid::Asn, "ASN", 'N', &["CB", "CG", "OD1", "ND2"]),
+    (AminoAcid::Asp, "ASP", 'D', &["CB", "CG", "OD1", "OD2"]),
+    (AminoAcid::Cys, "CYS", 'C', &["CB", "SG"]),
     (
         AminoAcid::Gln,
         "GLN",
         'Q',
-        -3.5,
         &["CB", "CG", "CD", "OE1", "NE2"],
     ),
     (
         AminoAcid::Glu,
         "GLU",
         'E',
-        -3.5,
         &["CB", "CG", "CD", "OE1", "OE2"],
     ),
-    (AminoAcid::Gly, "GLY", 'G', -0.4, &[]),
+    (AminoAcid::Gly, "GLY", 'G', &[]),
     (
         AminoAcid::His,
         "HIS",
         'H',
-        -3.2,
         &["CB", "CG", "ND1", "CD2", "CE1", "NE2"],
     ),
-    (
-        AminoAcid::Ile,
-        "ILE",
-        'I',
-        4.5,
-        &["CB", "CG1", "CG2", "CD1"],
-    ),
-    (AminoAcid::Leu, "LEU", 'L', 3.8, &["CB", "CG", "CD1", "CD2"]),
-    (
-        AminoAcid::Lys,
-        "LYS",
-        'K',
-        -3.9,
-        &["CB", "CG", "CD", "CE", "NZ"],
-    ),
-    (AminoAcid::Met, "MET", 'M', 1.9, &["CB", "CG", "SD", "CE"]),
+    (AminoAcid::Ile, "ILE", 'I', &["CB", "CG1", "CG2", "CD1"]),
+    (AminoAcid::Leu, "LEU", 'L', &["CB", "CG", "CD1", "CD2"]),
+    (AminoAcid::Lys, "LYS", 'K', &["CB", "CG", "CD", "CE", "NZ"]),
+    (AminoAcid::Met, "MET", 'M', &["CB", "CG", "SD", "CE"]),
     (
         AminoAcid::Phe,
         "PHE",
         'F',
-        2.8,
         &["CB", "CG", "CD1", "CD2", "CE1", "CE2", "CZ"],
     ),
-    (AminoAcid::Pro, "PRO", 'P', -1.6, &["CB", "CG", "CD"]),
-    (AminoAcid::Ser, "SER", 'S', -0.8, &["CB", "OG"]),
-    (AminoAcid::Thr, "THR", 'T', -0.7, &["CB", "OG1", "CG2"]),
+    (AminoAcid::Pro, "PRO", 'P', &["CB", "CG", "CD"]),
+    (AminoAcid::Ser, "SER", 'S', &["CB", "OG"]),
+    (AminoAcid::Thr, "THR", 'T', &["CB", "OG1", "CG2"]),
     (
         AminoAcid::Trp,
         "TRP",
         'W',
-        -0.9,
         &[
             "CB", "CG", "CD1", "CD2", "NE1", "CE2", "CE3", "CZ2", "CZ3", "CH2",
         ],
@@ -123,10 +92,9 @@ const TABLE: [Entry; 20] = [
         AminoAcid::Tyr,
         "TYR",
         'Y',
-        -1.3,
         &["CB", "CG", "CD1", "CD2", "CE1", "CE2", "CZ", "OH"],
     ),
-    (AminoAcid::Val, "VAL", 'V', 4.2, &["CB", "CG1", "CG2"]),
+    (AminoAcid::Val, "VAL", 'V', &["CB", "CG1", "CG2"]),
 ];
 
 /// The heavy atoms every residue has.
@@ -199,17 +167,6 @@ impl AminoAcid {
         self.entry().2
     }
 
-    /// Kyte-Doolittle hydropathy index.
-    ///
-    /// ```
-    /// use protomer_body::chemistry::AminoAcid;
-    /// assert_eq!(AminoAcid::Ile.hydropathy(), 4.5);
-    /// assert_eq!(AminoAcid::Arg.hydropathy(), -4.5);
-    /// ```
-    pub fn hydropathy(self) -> f64 {
-        self.entry().3
-    }
-
     /// Mass of the residue in a chain, neutral, with the natural isotopes, g/mol: the molecule
     /// without one water (IUPAC standard atomic weights).
     ///
@@ -249,7 +206,7 @@ impl AminoAcid {
     /// assert!(AminoAcid::Gly.side_chain().is_empty());
     /// ```
     pub fn side_chain(self) -> &'static [&'static str] {
-        self.entry().4
+        self.entry().3
     }
 }
 
@@ -266,13 +223,5 @@ mod tests {
                 AminoAcid::of_name(&entry.2.to_string())
             );
         }
-    }
-
-    #[test]
-    fn the_hydropathy_scale_has_its_published_sum_of_ends() {
-        assert_eq!(AminoAcid::Ile.hydropathy(), 4.5);
-        assert_eq!(AminoAcid::Arg.hydropathy(), -4.5);
-        let sum: f64 = AminoAcid::all().map(AminoAcid::hydropathy).sum();
-        assert!((sum - -9.8).abs() < 1e-9, "{sum}");
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`amino_acid`] | the twenty amino acids: names, heavy atoms, hydropathy |
+//! | [`amino_acid`] | the twenty amino acids: names, heavy atoms |
+//! | [`hydropathy`] | the scale of hydropathy |
 //! | `additives` | molecules of the crystallisation, which do not belong to the protein |
 //! | [`residue_names`] | other residue names: modified residues and their parents, force fields, caps, nucleotides, waters |
 //! | [`ions`] | ions by their residue names |
@@ -20,6 +21,7 @@ pub(crate) mod additives;
 pub mod amino_acid;
 pub mod charges;
 pub(crate) mod cofactors;
+pub mod hydropathy;
 pub mod ions;
 pub mod mutation;
 pub mod protonation;
@@ -32,6 +34,7 @@ pub(crate) mod treatment;
 
 pub use amino_acid::AminoAcid;
 pub use charges::ChargeModel;
+pub use hydropathy::{HYDROPATHY_SCALE, LARGEST_HYDROPATHY};
 pub use mutation::{Mutation, mutate, parse_mutations};
 pub use protonation::{
     PkaSource, Protonate, Protonated, ResidueProtonation, StructureProtonation, StructureTitration,

@@ -26,7 +26,7 @@ protomer_kernel::choices! {
         Solid = "solid",
         /// Electrostatic potential on the surface, kT/e.
         Potential = "potential",
-        /// Kyte-Doolittle index of nearby residues.
+        /// Hydropathy index of nearby residues.
         Hydropathy = "hydropathy",
         /// Edge of the voxels, Å: shows the size of structures scaled to the grid.
         Spacing = "spacing",

@@ -1,4 +1,4 @@
-//! Kyte-Doolittle indices around a place.
+//! Hydropathy indices around a place.
 
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
@@ -6,9 +6,9 @@ use rustc_hash::FxHashMap;
 
 /// Averages of the indices of residues near a place.
 ///
-/// The value at a place is the mean of the Kyte-Doolittle indices (J. Mol. Biol. 157, 105 (1982))
-/// of all residues with an atom within reach, each counted once; where no residue is within reach,
-/// that of the residue of the nearest atom. Residues without an index are skipped.
+/// The value at a place is the mean of the indices of all residues with an atom within reach, each counted
+/// once; where no residue is within reach, that of the residue of the nearest atom. Residues without an
+/// index are skipped.
 ///
 /// ```
 /// use protomer_field::voxels::hydropathy::HydropathyMap;

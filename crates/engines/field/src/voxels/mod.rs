@@ -10,7 +10,7 @@
 //! | [`lattice`] | a cubic grid about the origin |
 //! | [`orientation`] | how a structure is turned before it is laid on the grid |
 //! | [`shell`] | which voxels the surface passes through |
-//! | [`hydropathy`] | Kyte-Doolittle indices, averaged around a place |
+//! | [`hydropathy`] | hydropathy indices, averaged around a place |
 //! | `outer` | the potential on the surface, continued from the solvent |
 //! | [`interface`] | two bodies in one box about their interface |
 //! | [`channels`] | all of it: atoms in, sparse values out |

@@ -10,6 +10,7 @@ use super::row::Row;
 use super::settings::{Spacing, VoxelizeSettings};
 use super::statistics::Statistics;
 use anyhow::Result;
+use protomer_body::chemistry::HYDROPATHY_SCALE;
 use protomer_field::voxels::Channel;
 use protomer_io::zarr;
 use protomer_kernel::setting::Choices;
@@ -125,23 +126,26 @@ fn meanings(channels: &[Channel]) -> Map<String, Value> {
 }
 
 /// Meaning of the values of a channel.
-fn meaning(channel: Channel) -> &'static str {
-    match channel {
+fn meaning(channel: Channel) -> String {
+    let text = match channel {
         Channel::Shape => {
             "1 where the surface passes through: centres at most half an edge from it"
         }
         Channel::Solid => "1 where the centre is inside the surface",
         Channel::Potential => "kT/e, at the point of the surface nearest to the centre",
-        Channel::Hydropathy => "Kyte-Doolittle index, averaged over nearby residues",
+        Channel::Hydropathy => {
+            return format!("{HYDROPATHY_SCALE} index, averaged over nearby residues");
+        }
         Channel::Spacing => "edge of the voxels of this sample, Å",
         Channel::PartnerShape => "1 where the surface of the second body passes through",
         Channel::PartnerPotential => {
             "kT/e of the second body alone, at the point of its surface nearest to the centre"
         }
         Channel::PartnerHydropathy => {
-            "Kyte-Doolittle index, averaged over nearby residues of the second body"
+            return format!("{} of the second body", meaning(Channel::Hydropathy));
         }
-    }
+    };
+    text.to_owned()
 }
 
 /// The string properties of the samples, a list for each.

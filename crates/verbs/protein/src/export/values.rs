@@ -1,5 +1,6 @@
 //! A number per residue, to colour by.
 
+use protomer_body::chemistry::LARGEST_HYDROPATHY;
 use protomer_body::{Body, Residue};
 
 protomer_kernel::choices! {
@@ -7,7 +8,7 @@ protomer_kernel::choices! {
     pub enum ResidueValues {
         /// The net charge of the residue at the pH of the body, e.
         Charge = "charge",
-        /// The Kyte-Doolittle hydropathy index; zero where it has none.
+        /// The hydropathy index; zero where it has none.
         Hydropathy = "hydropathy",
     }
 }
@@ -26,7 +27,7 @@ impl ResidueValues {
     pub(super) fn limit(self) -> f64 {
         match self {
             Self::Charge => 1.0,
-            Self::Hydropathy => 4.5,
+            Self::Hydropathy => LARGEST_HYDROPATHY,
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::stability::run::RunSettings;
 use crate::stability::run::replica_directory;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
+use protomer_body::chemistry::{HYDROPATHY_SCALE, LARGEST_HYDROPATHY};
 use protomer_common::page::millimolar;
 use protomer_common::page::scene::{Colouring, Film, Scene, Shown, ShownMesh};
 use protomer_field::voxels::hydropathy::HydropathyMap;
@@ -263,9 +264,9 @@ pub(crate) fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) 
         shown.colourings.push(Colouring {
             name: "hydropathy".into(),
             unit: format!(
-                "Kyte-Doolittle index, mean of residues within {HYDROPATHY_REACH_ANGSTROM} Å; positive: hydrophobic"
+                "{HYDROPATHY_SCALE} index, mean of residues within {HYDROPATHY_REACH_ANGSTROM} Å; positive: hydrophobic"
             ),
-            limit: 4.5,
+            limit: LARGEST_HYDROPATHY,
             colours: ["#1b8a9e", "#f7f7f7", "#b8741a"],
         });
         for (mesh, body) in shown.meshes.iter_mut().zip(bodies) {
