@@ -168,8 +168,8 @@ mod tests {
     fn no_interpolation_enlarges_errors_more_than_the_lebesgue_constant() {
         fn check<const N: usize>() {
             let chebyshev = Chebyshev::<N>::default();
-            let at = |step: i32| lebesgue(&chebyshev.points, f64::from(step) / 1000.0);
-            let largest = (-1000..=1000).map(at).fold(0.0, f64::max);
+            let bound = |step: i32| lebesgue(&chebyshev.points, f64::from(step) / 1000.0);
+            let largest = (-1000..=1000).map(bound).fold(0.0, f64::max);
             let constant = Chebyshev::<N>::lebesgue_constant();
             assert!((constant - largest).abs() < 1e-12, "{N} {largest}");
         }

@@ -277,8 +277,9 @@ mod tests {
         }
         // Of equal losses the smaller number goes on; a trial that diverged is last.
         let first = standing(&records);
-        let numbers =
-            |of: &[(usize, Reached)]| of.iter().map(|(trial, _)| *trial).collect::<Vec<_>>();
+        let numbers = |trials: &[(usize, Reached)]| {
+            trials.iter().map(|(trial, _)| *trial).collect::<Vec<_>>()
+        };
         assert_eq!(numbers(&first.running), [1, 0]);
         assert_eq!(numbers(&first.ended), [3, 2]);
         assert_eq!(
@@ -314,7 +315,7 @@ mod tests {
             record(3, 0.6),
             record(4, 0.1),
         ];
-        let at = |rung| {
+        let state = |rung| {
             let reached = Reached::from_history(&history, rung);
             (
                 reached.epochs,
@@ -322,10 +323,10 @@ mod tests {
                 reached.validation_balanced_accuracy,
             )
         };
-        assert_eq!(at(1), (1, Some(0.7), Some(1.0)));
-        assert_eq!(at(3), (3, Some(0.6), Some(3.0)));
+        assert_eq!(state(1), (1, Some(0.7), Some(1.0)));
+        assert_eq!(state(3), (3, Some(0.6), Some(3.0)));
         // Ended early, the history is shorter than the rung.
-        assert_eq!(at(9), (4, Some(0.1), Some(4.0)));
+        assert_eq!(state(9), (4, Some(0.1), Some(4.0)));
         assert_eq!(
             Reached::from_history(&[record(1, f64::NAN)], 1).loss(),
             f64::INFINITY

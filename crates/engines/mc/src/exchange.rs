@@ -373,7 +373,11 @@ mod tests {
 
     #[test]
     fn a_wrong_rule_is_noticed() {
-        let largest = |of: [f64; 3]| of.into_iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+        let largest = |scores: [f64; 3]| {
+            scores
+                .into_iter()
+                .fold(0.0, |most: f64, z| most.max(z.abs()))
+        };
         assert!(largest(deviations(|_| f64::NEG_INFINITY)) > 8.0);
         assert!(largest(deviations(|rise_kt| 0.5 * rise_kt)) > 8.0);
     }

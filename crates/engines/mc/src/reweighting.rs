@@ -257,7 +257,7 @@ mod tests {
         for _ in 0..20_000 {
             let mut next = vec![0.0; counts.len()];
             for frame in 0..energies[0].len() {
-                let weights: Vec<f64> = energies.iter().map(|of| (-of[frame]).exp()).collect();
+                let weights: Vec<f64> = energies.iter().map(|row| (-row[frame]).exp()).collect();
                 let mut density = 0.0;
                 for (state, weight) in weights.iter().enumerate() {
                     density += counts[state] as f64 * weight / parts[state];
@@ -305,7 +305,7 @@ mod tests {
             assert!((fast - slow).abs() < 1e-7, "{fast} {slow}");
         }
         let two = [energies[0].clone(), energies[2].clone()];
-        let two: Vec<Vec<f64>> = two.iter().map(|of| of[..60].to_vec()).collect();
+        let two: Vec<Vec<f64>> = two.iter().map(|row| row[..60].to_vec()).collect();
         let mixture = Mixture::solve(&two, &[40, 20]).unwrap();
         let by_halving = bennett(&two, [40, 20]);
         assert!((mixture.free_energies_kt()[1] - by_halving).abs() < 1e-7);
@@ -313,16 +313,16 @@ mod tests {
 
     #[test]
     fn wells_have_their_free_energies_and_their_means() {
-        let of: Vec<(f64, f64)> = (0..6)
+        let pairs: Vec<(f64, f64)> = (0..6)
             .map(|k| (1.0 + f64::from(k), 0.6 * f64::from(k)))
             .collect();
         let counts = [3000; 6];
-        let (energies, places) = wells(&of, &counts);
+        let (energies, places) = wells(&pairs, &counts);
         // Any constant may be added to a state, however large.
         let mut shifted = energies.clone();
         shifted[3].iter_mut().for_each(|energy| *energy += 2000.0);
         let mixture = Mixture::solve(&shifted, &counts).unwrap();
-        for (state, (k, centre)) in of.iter().enumerate() {
+        for (state, (k, centre)) in pairs.iter().enumerate() {
             let shift = if state == 3 { 2000.0 } else { 0.0 };
             let free = mixture.free_energies_kt()[state] - shift;
             assert!((free - 0.5 * k.ln()).abs() < 0.05, "{state}: {free}");

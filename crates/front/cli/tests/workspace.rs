@@ -214,7 +214,7 @@ fn modules_of(cell: &str) -> BTreeMap<String, BTreeSet<String>> {
     for (place, part) in cell.split('`').enumerate() {
         if place % 2 == 0 {
             let bracket = part.rfind(['(', ')']);
-            is_inner = bracket.map_or(is_inner, |at| part[at..].starts_with('('));
+            is_inner = bracket.map_or(is_inner, |start| part[start..].starts_with('('));
         } else if is_inner {
             modules.get_mut(&last).unwrap().insert(part.to_owned());
         } else {
@@ -241,7 +241,7 @@ fn corrected(
         if place % 2 == 0 {
             let was_inner = is_inner;
             let bracket = part.rfind(['(', ')']);
-            is_inner = bracket.map_or(is_inner, |at| part[at..].starts_with('('));
+            is_inner = bracket.map_or(is_inner, |start| part[start..].starts_with('('));
             if is_inner && !was_inner && listed.contains(&last) {
                 missing_inner = inner(&last);
             } else if was_inner && !is_inner {

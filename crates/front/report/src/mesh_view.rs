@@ -210,18 +210,18 @@ mod tests {
 
     #[test]
     fn a_film_has_all_its_frames_in_view() {
-        let at = |x: f64| Pose {
+        let shifted = |x: f64| Pose {
             position: Vec3::new(x, 0.0, 0.0),
             ..Pose::identity()
         };
         let mut scene = Scene {
             name: "film".into(),
-            bodies: vec![(0, at(0.0))],
+            bodies: vec![(0, shifted(0.0))],
             colouring: None,
             film: Some(Film {
                 frames: vec![
-                    ("sweep 10".into(), vec![at(-3.0)]),
-                    ("sweep 20".into(), vec![at(5.0)]),
+                    ("sweep 10".into(), vec![shifted(-3.0)]),
+                    ("sweep 20".into(), vec![shifted(5.0)]),
                 ],
                 box_angstrom: None,
             }),

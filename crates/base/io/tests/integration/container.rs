@@ -77,10 +77,10 @@ proptest! {
     }
 
     #[test]
-    fn a_changed_byte_is_noticed(container in any_container(), at in any::<prop::sample::Index>(), change in 1..=255u8) {
+    fn a_changed_byte_is_noticed(container in any_container(), place in any::<prop::sample::Index>(), change in 1..=255u8) {
         let mut bytes = container.to_bytes().unwrap();
-        let at = at.index(bytes.len());
-        bytes[at] ^= change;
+        let place = place.index(bytes.len());
+        bytes[place] ^= change;
         prop_assert!(Container::from_bytes("x", "body", &bytes).is_err());
     }
 
@@ -92,9 +92,9 @@ proptest! {
     ) {
         let mut bytes = container.to_bytes().unwrap();
         bytes.truncate(bytes.len() - 32);
-        for (at, value) in changes {
-            let at = 12 + at.index(bytes.len() - 12);
-            bytes[at] = value;
+        for (place, value) in changes {
+            let place = 12 + place.index(bytes.len() - 12);
+            bytes[place] = value;
         }
         if let Some(cut) = cut {
             bytes.truncate(cut.index(bytes.len()));

@@ -82,8 +82,8 @@ proptest! {
     ) {
         for (name, mut bytes) in valid_files() {
             for (index, value) in &changes {
-                let at = index.index(bytes.len());
-                bytes[at] = *value;
+                let place = index.index(bytes.len());
+                bytes[place] = *value;
             }
             if let Some(cut) = cut {
                 bytes.truncate(cut.index(bytes.len()));

@@ -266,8 +266,8 @@ mod tests {
     fn points_inside_and_on_edges_and_faces_are_no_corners() {
         let mut points = Vec::new();
         for place in 0..125 {
-            let at = [place % 5, place / 5 % 5, place / 25].map(f64::from);
-            points.push(Vec3::from(at));
+            let corner = [place % 5, place / 5 % 5, place / 25].map(f64::from);
+            points.push(Vec3::from(corner));
         }
         let Hull::Polyhedron(mesh) = Hull::from_points(&points) else {
             panic!("a cube is a polyhedron");

@@ -205,21 +205,21 @@ mod tests {
                 place += 0.04 * rng.unit_vector();
                 place *= place.norm().clamp(0.2 * reach, 0.9 * reach) / place.norm();
                 turns = turns.map(|turn| rng.small_rotation(0.05) * turn);
-                let at = |n: usize, position: Vec3| {
+                let corners = |n: usize, position: Vec3| {
                     let rotation = turns[n];
                     body.corners_at(&Pose { position, rotation })
                 };
-                let expected = closest_points(&at(0, Vec3::zeros()), &at(1, place));
+                let expected = closest_points(&corners(0, Vec3::zeros()), &corners(1, place));
                 let bodies = Bodies {
-                    first: &at(0, Vec3::zeros()),
-                    second: &at(1, Vec3::zeros()),
+                    first: &corners(0, Vec3::zeros()),
+                    second: &corners(1, Vec3::zeros()),
                     between: place,
                 };
                 match (bodies.closest(0.5 * reach, &mut simplex), expected) {
                     (Found::Touching, None) => touching += 1,
                     (Found::Beyond(direction), Some(points)) => {
                         assert!(points.distance() > 0.5 * reach);
-                        let heights = |n: usize| at(n, Vec3::zeros()).into_iter();
+                        let heights = |n: usize| corners(n, Vec3::zeros()).into_iter();
                         let top = heights(0).map(|x| x.dot(&direction)).fold(-9.0, f64::max);
                         let low = heights(1).map(|x| x.dot(&direction)).fold(9.0, f64::min);
                         assert!(low + place.dot(&direction) - top > 0.5 * reach - 1e-12);

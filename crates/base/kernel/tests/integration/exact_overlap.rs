@@ -174,18 +174,18 @@ impl<const D: usize> Case<'_, D> {
     /// A random place, and places about contact along the line to it: a hundredth of the size away,
     /// and to a few units of the grid.
     fn about_contact(&self, line: &Vec3, rng: &mut CounterRng, tally: &mut Tally) {
-        let at = |distance: f64| (line * distance).map(to_grid);
+        let shifted = |distance: f64| (line * distance).map(to_grid);
         let (mut inside, mut outside) =
             (0.0, 2.0 * (self.bodies[0].size() + self.bodies[1].size()));
         for _ in 0..45 {
             let middle = f64::midpoint(inside, outside);
-            match self.fast(&at(middle), &at(middle), &mut 0) {
+            match self.fast(&shifted(middle), &shifted(middle), &mut 0) {
                 true => inside = middle,
                 false => outside = middle,
             }
         }
         let axis = Vec3::ith(rng.index(D), 1.0 / UNITS);
-        let contact = at(inside);
+        let contact = shifted(inside);
         for shift in [
             rng.uniform_in(-0.5, 0.5) * line,
             0.01 * line,

@@ -239,7 +239,8 @@ fn a_carried_bound_outlives_only_motions_that_cannot_overlap() {
     let mut random = generator(7);
     let mut kept = 0;
     for _ in 0..2000 {
-        let place = |random: &mut _, at: Vec3| Pose::from_wxyz(at, random_orientation(random));
+        let place =
+            |random: &mut _, position: Vec3| Pose::from_wxyz(position, random_orientation(random));
         let first = place(&mut random, Vec3::zeros());
         let direction = random_direction(&mut random);
         let apart = random.random_range(22.0..40.0);

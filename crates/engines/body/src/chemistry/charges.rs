@@ -532,7 +532,7 @@ mod tests {
             for (ph, templates) in [(-10.0, forms.protonated), (30.0, forms.deprotonated)] {
                 let charges = charges_at(&residue, ph);
                 for (atom, charge) in residue.atoms.iter().zip(charges) {
-                    let of = |template: &Template| {
+                    let total = |template: &Template| {
                         template
                             .iter()
                             .find(|entry| entry.0 == &*atom.name)
@@ -540,7 +540,7 @@ mod tests {
                     };
                     let sum: f64 = templates
                         .iter()
-                        .map(of)
+                        .map(total)
                         .map(|entry| entry.1 + entry.2)
                         .sum();
                     if !templates.is_empty() {
@@ -559,8 +559,12 @@ mod tests {
     fn without_a_template_the_lost_proton_is_on_the_group() {
         for (amino_acid, group) in [(AminoAcid::Tyr, "OH"), (AminoAcid::Arg, "NH1")] {
             let residue = whole(amino_acid);
-            let at = |ph| charges_at(&residue, ph);
-            let change: Vec<f64> = at(30.0).iter().zip(at(-10.0)).map(|(a, b)| a - b).collect();
+            let charged = |ph| charges_at(&residue, ph);
+            let change: Vec<f64> = charged(30.0)
+                .iter()
+                .zip(charged(-10.0))
+                .map(|(a, b)| a - b)
+                .collect();
             let index = residue
                 .atoms
                 .iter()

@@ -307,21 +307,21 @@ mod tests {
 
     #[test]
     fn an_entry_that_was_cut_off_anywhere_in_its_atoms_is_known() {
-        let of = |text: &str| {
+        let parsed = |text: &str| {
             read("1abc.cif", text).map(|structure| (structure.ending, structure.warnings.count))
         };
-        assert_eq!(of(ENTRY).unwrap(), (Ending::Whole, 0));
+        assert_eq!(parsed(ENTRY).unwrap(), (Ending::Whole, 0));
         let whole = ENTRY.trim_end().len();
         let atoms = ENTRY.find("ATOM").unwrap();
         for cut in atoms..whole {
-            let found = of(&ENTRY[..cut]);
+            let found = parsed(&ENTRY[..cut]);
             assert!(
                 matches!(found, Err(_) | Ok((Ending::CutOff(_), 1))),
                 "{cut}: {found:?}"
             );
         }
         // Cut within a row, it cannot be read, and the message says where and what to do.
-        let message = of(&ENTRY[..ENTRY.find(" 6.75").unwrap()])
+        let message = parsed(&ENTRY[..ENTRY.find(" 6.75").unwrap()])
             .unwrap_err()
             .to_string();
         assert!(
@@ -361,14 +361,14 @@ mod tests {
         let by_hand = ENTRY
             .replace("#\n", "")
             .replace("_audit_conform.dict_name mmcif_pdbx.dic\n", "");
-        let of = |text: &str| read("own.cif", text).unwrap();
+        let parsed = |text: &str| read("own.cif", text).unwrap();
         assert_eq!(
-            (of(&by_hand).ending, of(&by_hand).warnings.count),
+            (parsed(&by_hand).ending, parsed(&by_hand).warnings.count),
             (Ending::Unknown, 0)
         );
         // If another category follows, no atom is missing.
         assert_eq!(
-            of(&format!("{by_hand}_cell.length_a 10\n")).ending,
+            parsed(&format!("{by_hand}_cell.length_a 10\n")).ending,
             Ending::Whole
         );
     }

@@ -144,22 +144,22 @@ mod tests {
 
     #[test]
     fn the_file_tells_chains_of_two_letters_from_names_of_four() {
-        let of = |name: &str, chain: &str| (name.to_owned(), chain.to_owned());
+        let named = |name: &str, chain: &str| (name.to_owned(), chain.to_owned());
         // Molecular dynamics: single residues in the middle of chain A.
         assert_eq!(
             names(&["CYS A  14", "LYSHA  15", "ALA A  16"]),
-            [of("CYS", "A"), of("LYSH", "A"), of("ALA", "A")]
+            [named("CYS", "A"), named("LYSH", "A"), named("ALA", "A")]
         );
-        assert_eq!(names(&["ALA A  14", "TYRXA  15"])[1], of("TYRX", "A"));
+        assert_eq!(names(&["ALA A  14", "TYRXA  15"])[1], named("TYRX", "A"));
         // Chain HA, although LYSH and ASPH would be names.
         assert_eq!(
             names(&["ALA A 120", "ALAHA   1", "LYSHA   2", "ASPHA   3"])[1..],
-            [of("ALA", "HA"), of("LYS", "HA"), of("ASP", "HA")]
+            [named("ALA", "HA"), named("LYS", "HA"), named("ASP", "HA")]
         );
-        assert_eq!(names(&["GLUBb4016"]), [of("GLU", "Bb")]);
+        assert_eq!(names(&["GLUBb4016"]), [named("GLU", "Bb")]);
         // Only names that mean something, and none in a chain of two letters.
-        assert_eq!(names(&["LYSHA   1", "ASPHA   2"])[1], of("ASPH", "A"));
-        assert_eq!(names(&["TIP3W1234"]), [of("TIP3", "W")]);
-        assert_eq!(names(&["NALAA   1"]), [of("NALA", "A")]);
+        assert_eq!(names(&["LYSHA   1", "ASPHA   2"])[1], named("ASPH", "A"));
+        assert_eq!(names(&["TIP3W1234"]), [named("TIP3", "W")]);
+        assert_eq!(names(&["NALAA   1"]), [named("NALA", "A")]);
     }
 }

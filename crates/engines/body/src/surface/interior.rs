@@ -279,12 +279,12 @@ mod tests {
         };
         for (k, from) in outline.iter().enumerate() {
             let to = outline[(k + 1) % outline.len()];
-            let at = |[x, y]: [f64; 2], z: f64| Vec3::new(x, y, z);
+            let point = |[x, y]: [f64; 2], z: f64| Vec3::new(x, y, z);
             quad([
-                at(*from, -10.0),
-                at(to, -10.0),
-                at(to, 10.0),
-                at(*from, 10.0),
+                point(*from, -10.0),
+                point(to, -10.0),
+                point(to, 10.0),
+                point(*from, 10.0),
             ]);
         }
         for (z, is_top) in [(10.0, true), (-10.0, false)] {

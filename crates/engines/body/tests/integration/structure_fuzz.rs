@@ -113,32 +113,32 @@ fn damage(original: &[u8], rng: &mut SmallRng) -> Vec<u8> {
         if text.is_empty() {
             break;
         }
-        let at = rng.random_range(0..text.len());
-        let end = (at + rng.random_range(0..200)).min(text.len());
+        let start = rng.random_range(0..text.len());
+        let end = (start + rng.random_range(0..200)).min(text.len());
         match rng.random_range(0..8) {
-            0 => text[at] = rng.random(),
+            0 => text[start] = rng.random(),
             1 => {
-                text[at] = *b" 0123456789.-ABCDH'\";_\n(),?"[..]
+                text[start] = *b" 0123456789.-ABCDH'\";_\n(),?"[..]
                     .get(rng.random_range(0..27))
                     .unwrap_or(&b' ')
             }
-            2 => drop(text.drain(at..end)),
+            2 => drop(text.drain(start..end)),
             3 => {
-                let piece = text[at..end].to_vec();
+                let piece = text[start..end].to_vec();
                 let to = rng.random_range(0..text.len());
                 text.splice(to..to, piece);
             }
             4 => {
                 let word = WORDS[rng.random_range(0..WORDS.len())].as_bytes();
-                text.splice(at..at, word.iter().copied());
+                text.splice(start..start, word.iter().copied());
             }
             5 => {
                 let word = WORDS[rng.random_range(0..WORDS.len())].as_bytes();
-                let end = (at + word.len()).min(text.len());
-                text.splice(at..end, word.iter().copied());
+                let end = (start + word.len()).min(text.len());
+                text.splice(start..end, word.iter().copied());
             }
-            6 => text.truncate(at),
-            _ => text[at..end].reverse(),
+            6 => text.truncate(start),
+            _ => text[start..end].reverse(),
         }
     }
     text

@@ -125,8 +125,11 @@ fn expected(bodies: &PlacedBodies, is_pdb: bool) -> BTreeMap<Key, Vec3> {
                 &residue.name,
                 &site.atom_name,
             );
-            let at = copy.pose.transform_point(&site.position);
-            assert!(atoms.insert(key, at).is_none(), "an atom occurs twice");
+            let position = copy.pose.transform_point(&site.position);
+            assert!(
+                atoms.insert(key, position).is_none(),
+                "an atom occurs twice"
+            );
         }
     }
     atoms
@@ -330,23 +333,23 @@ fn numbers_codes_and_names_of_every_kind_survive() {
     require_round_trip(&copies);
     let [pdb, mmcif] = both(&copies);
     for structure in [&pdb, &mmcif] {
-        let of = |residue: &str, name: &str| {
+        let lines = |residue: &str, name: &str| {
             let atoms = structure.models[0].atoms.iter();
             let mut atoms =
                 atoms.filter(|atom| &*atom.residue_name == residue && &*atom.name == name);
             atoms.next().unwrap().clone()
         };
-        assert!(!of("SER", "CA").hetero && !of("DA", "P").hetero);
-        assert!(of("MSE", "SE").hetero && !of("MSE", "SE").outside_polymer);
+        assert!(!lines("SER", "CA").hetero && !lines("DA", "P").hetero);
+        assert!(lines("MSE", "SE").hetero && !lines("MSE", "SE").outside_polymer);
         for (residue, name) in [("ATP", "PA"), ("NA", "NA")] {
-            assert!(of(residue, name).hetero && of(residue, name).outside_polymer);
+            assert!(lines(residue, name).hetero && lines(residue, name).outside_polymer);
         }
         assert_eq!(
-            (&*of("CA", "CA").element, &*of("SER", "CA").element),
+            (&*lines("CA", "CA").element, &*lines("SER", "CA").element),
             ("CA", "C")
         );
         assert_eq!(
-            (&*of("MSE", "SE").element, &*of("ATP", "PA").element),
+            (&*lines("MSE", "SE").element, &*lines("ATP", "PA").element),
             ("SE", "P")
         );
     }
@@ -407,16 +410,20 @@ fn many_chains_need_mmcif() {
 #[test]
 fn what_does_not_fit_a_pdb_file_is_refused() {
     let gly = |number| small(&[("A", number, "", "GLY", &["N", "CA"])]);
-    let at = |x| Pose {
+    let shifted = |x| Pose {
         position: Vec3::new(x, 0.0, 0.0),
         ..Pose::identity()
     };
     let cases = [
-        (gly(1), at(10_000.0), "10000.000"),
-        (gly(1), at(-1001.0), "-1001.000"),
-        (gly(10_000), at(0.0), "GLY A:10000"),
-        (small(&[("A", 1, "", "GLYX", &["N"])]), at(0.0), "GLYX"),
-        (small(&[("A", 1, "", "GLY", &["H12'3"])]), at(0.0), "H12'3"),
+        (gly(1), shifted(10_000.0), "10000.000"),
+        (gly(1), shifted(-1001.0), "-1001.000"),
+        (gly(10_000), shifted(0.0), "GLY A:10000"),
+        (small(&[("A", 1, "", "GLYX", &["N"])]), shifted(0.0), "GLYX"),
+        (
+            small(&[("A", 1, "", "GLY", &["H12'3"])]),
+            shifted(0.0),
+            "H12'3",
+        ),
     ];
     for (body, pose, named) in &cases {
         let placed = placed(&[(body, *pose)]);
@@ -508,8 +515,9 @@ fn the_table_tells_how_the_source_was_moved() {
     let in_source = atom.position + body.provenance.origin_angstrom;
     let wanted = far().transform_point(&atom.position);
     for (row, wanted) in rows[3..].iter().zip(wanted.iter()) {
-        let at = row[0] * in_source.x + row[1] * in_source.y + row[2] * in_source.z + row[3];
-        assert!((at - wanted).abs() < 1e-4);
+        let coordinate =
+            row[0] * in_source.x + row[1] * in_source.y + row[2] * in_source.z + row[3];
+        assert!((coordinate - wanted).abs() < 1e-4);
     }
     let mmcif = placed.to_mmcif().unwrap();
     assert!(mmcif.contains("_protomer_copy.matrix[1][1]") && mmcif.contains("\nB 1 X\n"));

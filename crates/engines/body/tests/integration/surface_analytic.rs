@@ -117,12 +117,12 @@ fn area_and_volume_converge_with_the_density() {
         minor: 2.0,
     };
     for target in [None, Some(torus.exact())] {
-        let at = |density: f64| {
+        let deviations = |density: f64| {
             let (mesh, topology) = mesh_of(&torus, density, target);
             assert_eq!(topology.genus, 1);
             errors(&mesh, torus.exact())
         };
-        let (coarse, fine) = (at(1.0), at(16.0));
+        let (coarse, fine) = (deviations(1.0), deviations(16.0));
         assert!(fine.0 < 1e-3 && fine.1 < 1e-4, "{fine:?}");
         assert!(
             fine.0 <= coarse.0 && (target.is_some() || fine.1 <= coarse.1),

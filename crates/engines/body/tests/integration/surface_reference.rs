@@ -122,7 +122,8 @@ fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() 
             assert_eq!(outside.topology.cavities, 0);
             assert_eq!(outside.cavities.filled, topology.cavities);
             if surface.measure.cavities().len() == topology.cavities {
-                let [filled, hollow] = [&outside, &surface].map(|of| of.exact.ses_volume_angstrom3);
+                let [filled, hollow] =
+                    [&outside, &surface].map(|surface| surface.exact.ses_volume_angstrom3);
                 let volume = outside.cavities.filled_volume_angstrom3;
                 assert!((filled - hollow - volume).abs() < 1e-9 * filled, "{name}");
             }

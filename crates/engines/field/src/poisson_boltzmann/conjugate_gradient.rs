@@ -164,11 +164,12 @@ mod tests {
         for k in 1..nz - 1 {
             for j in 1..ny - 1 {
                 for i in 1..nx - 1 {
-                    let at = (k * ny + j) * nx + i;
-                    let mut residual = b[at] - f64::from(a.mass[at]) * x[at];
+                    let index = (k * ny + j) * nx + i;
+                    let mut residual = b[index] - f64::from(a.mass[index]) * x[index];
                     for (edges, stride) in a.edges.iter().zip(strides) {
-                        residual -= f64::from(edges[at]) * (x[at] - x[at + stride]);
-                        residual -= f64::from(edges[at - stride]) * (x[at] - x[at - stride]);
+                        residual -= f64::from(edges[index]) * (x[index] - x[index + stride]);
+                        residual -=
+                            f64::from(edges[index - stride]) * (x[index] - x[index - stride]);
                     }
                     square += residual * residual;
                 }
@@ -190,8 +191,8 @@ mod tests {
         // Values on the faces are given.
         let mut given: Vec<f64> = (0..count).map(|_| rng.uniform_in(-1.0, 1.0)).collect();
         let [nx, ny, nz] = shape;
-        for (at, value) in given.iter_mut().enumerate() {
-            let [i, j, k] = [at % nx, at / nx % ny, at / nx / ny];
+        for (index, value) in given.iter_mut().enumerate() {
+            let [i, j, k] = [index % nx, index / nx % ny, index / nx / ny];
             let inner = |i: usize, n: usize| i > 0 && i + 1 < n;
             if inner(i, nx) && inner(j, ny) && inner(k, nz) {
                 *value = 0.0;

@@ -354,8 +354,8 @@ mod tests {
             let n = 40;
             let mut beyond = 0;
             for code in 0..n * n * n {
-                let at = |index: usize| (index as f64 + 0.5) / n as f64 - 0.5;
-                let place = Vec3::new(at(code % n), at(code / n % n), at(code / n / n));
+                let offset = |index: usize| (index as f64 + 0.5) / n as f64 - 0.5;
+                let place = Vec3::new(offset(code % n), offset(code / n % n), offset(code / n / n));
                 beyond += usize::from(place.dot(&normal) + distance > 0.0);
             }
             let expected = beyond as f64 / (n * n * n) as f64;

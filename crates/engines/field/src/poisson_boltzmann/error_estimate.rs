@@ -60,19 +60,19 @@ mod tests {
             radius_angstrom: 2.0,
             charge_e: 1.0,
         }];
-        let at = |spacing_angstrom| SolveSettings {
+        let spaced = |spacing_angstrom| SolveSettings {
             spacing_angstrom,
             ..SolveSettings::default()
         };
         let energy = |spacing| {
-            let solved = solve(&ion, &dielectric, &at(spacing)).unwrap();
+            let solved = solve(&ion, &dielectric, &spaced(spacing)).unwrap();
             solved.solvation_energy_kt
         };
         // c h² at both: the coarser differs by 0.96 c h², the finer by (1 - 1/1.96) c h².
         for (spacing, second, share) in [(0.6, 0.84, 0.96), (0.9, 0.9 / 1.4, 1.0 - 1.0 / 1.96)] {
             let expected = (energy(second) - energy(spacing)).abs() / share;
             let found =
-                error_estimate_kt(&ion, &dielectric, &at(spacing), energy(spacing)).unwrap();
+                error_estimate_kt(&ion, &dielectric, &spaced(spacing), energy(spacing)).unwrap();
             assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
         }
     }

@@ -160,12 +160,12 @@ mod tests {
             let (cell, _) = grid.locate(&place).unwrap();
             let mut known = Vec::new();
             for point in 0..grid.len() {
-                let at = grid.point_at(point);
-                let (from_cell, _) = grid.locate(&at).unwrap();
+                let vertex = grid.point_at(point);
+                let (from_cell, _) = grid.locate(&vertex).unwrap();
                 let is_near =
                     (0..3).all(|a| (-1..=2).contains(&(from_cell[a] as i64 - cell[a] as i64)));
-                if is_near && solid.signed_distance(&at) > 1e-4 {
-                    let offset = (at - place) / grid.spacing_angstrom;
+                if is_near && solid.signed_distance(&vertex) > 1e-4 {
+                    let offset = (vertex - place) / grid.spacing_angstrom;
                     known.push((offset, potential.at_outer_point(point)));
                 }
             }

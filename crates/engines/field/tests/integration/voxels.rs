@@ -211,15 +211,15 @@ fn the_potential_on_a_protein_solved_at_one_angstrom_is_that_of_a_finer_grid() {
         };
         let mut differences: Vec<f64> = pairs().map(|(a, b)| (a - b).abs()).collect();
         differences.sort_by(f64::total_cmp);
-        let at = |share: f64| differences[(share * (differences.len() - 1) as f64) as usize];
-        let square = |of: fn((f64, f64)) -> f64| pairs().map(of).sum::<f64>();
+        let quantile = |share: f64| differences[(share * (differences.len() - 1) as f64) as usize];
+        let square = |measure: fn((f64, f64)) -> f64| pairs().map(measure).sum::<f64>();
         let rms = (square(|(a, b)| (a - b).powi(2)) / square(|(_, b)| b * b)).sqrt();
         eprintln!(
             "{} voxels, solved at {spacing} Å: relative difference {rms:.4} rms; median {:.3} \
              kT/e, 95 % below {:.3}",
             differences.len(),
-            at(0.5),
-            at(0.95)
+            quantile(0.5),
+            quantile(0.95)
         );
         assert!(rms < coarser, "{rms} at {spacing} Å, {coarser} before");
         coarser = 0.75 * rms;
@@ -339,7 +339,7 @@ fn a_quarter_turn_of_the_atoms_turns_the_voxels() {
             .collect();
         pose(&mut atoms, rotation);
         let voxels = voxelise(&atoms, &hydropathy, &lattice, &settings).unwrap();
-        let value = |at: usize| [voxels.values[1][at], voxels.values[2][at]];
+        let value = |index: usize| [voxels.values[1][index], voxels.values[2][index]];
         voxels
             .index
             .iter()

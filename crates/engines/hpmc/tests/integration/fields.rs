@@ -146,7 +146,7 @@ fn an_ideal_gas_has_its_profile() {
     let packing = 50.0 * point.volume / 3.0;
     let start = between_walls(50, packing, [1.0, 1.0, 3.0]);
     let (samples, simulation) = samples(&falling(1.0), &point, &start, 2000);
-    let mean = |of: fn(&Sample) -> f64| -> Vec<f64> { samples.iter().map(of).collect() };
+    let mean = |value: fn(&Sample) -> f64| -> Vec<f64> { samples.iter().map(value).collect() };
     let heights = mean(|sample| sample.walls.unwrap().mean_height);
     assert_mean(&heights, 0.842_812_910_526_232_1, 0.01, "height");
     let bottom = 50.0 / (1.0 - (-3.0_f64).exp());

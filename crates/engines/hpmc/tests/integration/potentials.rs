@@ -50,9 +50,9 @@ fn assert_mean(series: &[f64], exact: f64, precision: f64, what: &str) {
 fn over_shell(to: f64, function: impl Fn(f64) -> f64) -> f64 {
     let cells = 200_000;
     let step = (to - 1.0) / f64::from(cells);
-    let at = |cell: i32| 1.0 + step * (f64::from(cell) + 0.5);
+    let middle = |cell: i32| 1.0 + step * (f64::from(cell) + 0.5);
     (0..cells)
-        .map(|cell| 4.0 * PI * at(cell).powi(2) * function(at(cell)) * step)
+        .map(|cell| 4.0 * PI * middle(cell).powi(2) * function(middle(cell)) * step)
         .sum()
 }
 

@@ -124,8 +124,9 @@ fn tangents_are_found_and_what_has_none_says_so() {
     assert_near(found[0].densities[0], 0.07072018167994482, 1e-10);
     assert_near(found[0].pressure, 0.05834134944143998, 1e-10);
 
-    let well =
-        |depth: f64, at: f64, stiff: f64| move |x: Jet| (x + -at) * (x + -at) * stiff + depth;
+    let well = |depth: f64, centre: f64, stiff: f64| {
+        move |x: Jet| (x + -centre) * (x + -centre) * stiff + depth
+    };
     let three = |middle: f64| {
         let wells = [
             well(0.0, 0.1, 2.0),

@@ -62,12 +62,12 @@ fn obvious(x: &Tensor, w: &Tensor, b: &Tensor) -> Vec<f64> {
                         let mut sum = b[o];
                         for c in 0..channels {
                             for t in 0..k * k * k {
-                                let at = (
+                                let source = (
                                     inside(z, t / (k * k), depth),
                                     inside(y, t / k % k, height),
                                     inside(i, t % k, width),
                                 );
-                                if let (Some(z), Some(y), Some(i)) = at {
+                                if let (Some(z), Some(y), Some(i)) = source {
                                     let place =
                                         (((s * channels + c) * depth + z) * height + y) * width + i;
                                     sum += w[(o * channels + c) * k * k * k + t] * x[place];
@@ -91,11 +91,11 @@ fn obvious_pool(x: &[f64], edges: [usize; 3]) -> Vec<f64> {
         for z in 0..depth / 2 {
             for y in 0..height / 2 {
                 for i in 0..width / 2 {
-                    let at = |c: usize| {
+                    let value = |c: usize| {
                         channel
                             [((2 * z + c / 4) * height + 2 * y + c / 2 % 2) * width + 2 * i + c % 2]
                     };
-                    out.push((0..8).map(at).fold(f64::NEG_INFINITY, f64::max));
+                    out.push((0..8).map(value).fold(f64::NEG_INFINITY, f64::max));
                 }
             }
         }
@@ -412,14 +412,14 @@ fn check_direction(name: &str, forward: impl Fn(&[Tensor]) -> Tensor, shapes: &[
     let store = (&out * &g).unwrap().sum_all().unwrap().backward().unwrap();
     for (i, variable) in variables.iter().enumerate() {
         let u = grid(i as u64 + 77, variable.dims());
-        let at = |h: f64| {
+        let loss = |h: f64| {
             let mut moved: Vec<Tensor> = tensors.iter().map(Tensor::detach).collect();
             moved[i] = (&moved[i] + (&u * h).unwrap()).unwrap();
             dot(&forward(&moved), &g)
         };
         // Short, so that few of the ReLUs and maxima in between change sides.
         let h = 2e-4;
-        let expected = (at(h) - at(-h)) / (2.0 * h);
+        let expected = (loss(h) - loss(-h)) / (2.0 * h);
         let found = dot(store.get(variable).unwrap(), &u);
         let size = 1.0 + numbers(&g).iter().map(|v| v.abs()).sum::<f64>().sqrt();
         assert!(

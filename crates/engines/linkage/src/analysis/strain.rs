@@ -346,8 +346,9 @@ mod tests {
         let state = State::coherent(&network, 0.3);
         let corners = corners(&network, &state.positions);
         for rod in &network.rods {
-            let at = |corner: Corner| corners[4 * corner.square + usize::from(corner.vertex) - 1];
-            let (a, b) = (at(rod.from), at(rod.to));
+            let position =
+                |corner: Corner| corners[4 * corner.square + usize::from(corner.vertex) - 1];
+            let (a, b) = (position(rod.from), position(rod.to));
             assert!(((a[0] - b[0]).hypot(a[1] - b[1]) - 0.2).abs() < 1e-14);
         }
     }

@@ -437,18 +437,18 @@ mod tests {
     /// J v, row by row from the definition: how fast each rod's length changes.
     fn stretching(network: &Network, state: &State) -> f64 {
         let ends = |time: f64| -> Vec<f64> {
-            let at: Vec<f64> = state
+            let moved: Vec<f64> = state
                 .positions
                 .iter()
                 .zip(&state.velocities)
                 .map(|(s, v)| s + time * v)
                 .collect();
             let corner = |corner: Corner| {
-                let angle = at[3 * corner.square + 2]
+                let angle = moved[3 * corner.square + 2]
                     + [135.0_f64, 45.0, 225.0, -45.0][usize::from(corner.vertex) - 1].to_radians();
                 [
-                    at[3 * corner.square] + angle.cos(),
-                    at[3 * corner.square + 1] + angle.sin(),
+                    moved[3 * corner.square] + angle.cos(),
+                    moved[3 * corner.square + 1] + angle.sin(),
                 ]
             };
             let length = |rod: &Rod| {

@@ -318,10 +318,10 @@ fn a_coherent_motion_has_all_its_rotation_in_the_checkerboard_mode() {
         dynamics.step(&mut state, 0.005).unwrap();
     }
     let energies = ModeEnergies::from_state(&network, &state);
-    let of = |which| energies.checkerboard_fraction(which, 0.0).unwrap();
-    assert!((of(OutOf::Rotational) - 1.0).abs() < 1e-9);
+    let fraction = |which| energies.checkerboard_fraction(which, 0.0).unwrap();
+    assert!((fraction(OutOf::Rotational) - 1.0).abs() < 1e-9);
     // The rest is in the translations: 1/(1 - μ sin²(π/4 - θ)) with μ = -6.
     let angle = Modes::from_coordinates(&network, &state.positions).checkerboard;
     let share = 1.0 / (1.0 + 6.0 * (FRAC_PI_4 - angle).sin().powi(2));
-    assert!((of(OutOf::Total) - share).abs() < 1e-4 && share < 0.9);
+    assert!((fraction(OutOf::Total) - share).abs() < 1e-4 && share < 0.9);
 }

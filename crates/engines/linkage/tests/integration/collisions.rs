@@ -203,9 +203,9 @@ fn rows_are_the_gradients_of_gaps() {
             corner(&positions, network.rods[rod].to),
         );
         let share = rng.uniform();
-        let at = corner(&positions, striker);
-        positions[24] += a[0] + share * (b[0] - a[0]) - at[0] + shift[0];
-        positions[25] += a[1] + share * (b[1] - a[1]) - at[1] + shift[1];
+        let start = corner(&positions, striker);
+        positions[24] += a[0] + share * (b[0] - a[0]) - start[0] + shift[0];
+        positions[25] += a[1] + share * (b[1] - a[1]) - start[1] + shift[1];
         let moved = |t: f64| -> Vec<f64> {
             positions
                 .iter()
@@ -230,9 +230,9 @@ fn rows_are_the_gradients_of_gaps() {
         }
         // Two corners head on: the row is the rate along the bisector as it is.
         let (striker, target) = (vertex(1, 2), vertex(5, 4));
-        let (at, to) = (corner(&positions, striker), corner(&positions, target));
-        positions[3] += to[0] - at[0];
-        positions[4] += to[1] - at[1];
+        let (start, to) = (corner(&positions, striker), corner(&positions, target));
+        positions[3] += to[0] - start[0];
+        positions[4] += to[1] - start[1];
         let contact = Contact::VertexVertex {
             striker,
             target,

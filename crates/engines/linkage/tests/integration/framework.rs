@@ -199,7 +199,8 @@ fn rotating_polygons_have_the_published_moduli() {
         ] {
             let [soft, stiff] = [moduli(&net[0]), moduli(&net[1])];
             for axis in 0..2 {
-                let rigid = |of: &dyn Fn(&Moduli) -> f64| 2.0 * of(&stiff) - of(&soft);
+                let rigid =
+                    |modulus: &dyn Fn(&Moduli) -> f64| 2.0 * modulus(&stiff) - modulus(&soft);
                 let modulus = rigid(&|moduli| moduli.youngs_gpa[axis].unwrap());
                 assert!(
                     (modulus / published - 1.0).abs() < 1e-6,

@@ -99,14 +99,14 @@ mod tests {
     #[test]
     fn a_place_belongs_to_the_residue_of_the_nearest_atom() {
         let mut body = body_of(&[("LYS", 0.0, 1.0), ("GLU", 10.0, -1.0)]);
-        let at =
+        let nearest =
             |body: &Body, x: f64| ResiduePlaces::from_body(body).nearest(&Vec3::new(x, 3.0, 0.0));
         assert_eq!(
-            [-20.0, 4.9, 5.1, 30.0].map(|x| at(&body, x)),
+            [-20.0, 4.9, 5.1, 30.0].map(|x| nearest(&body, x)),
             [0, 0, 1, 1].map(Some)
         );
         // A bare charge has no residue.
         body.sites[1].residue = None;
-        assert_eq!(at(&body, 30.0), Some(0));
+        assert_eq!(nearest(&body, 30.0), Some(0));
     }
 }

@@ -202,8 +202,8 @@ mod tests {
     fn a_cube_has_its_volume_and_grows_by_its_ions() {
         let mut vertices = Vec::new();
         for number in 0..8 {
-            let at = |bit: usize| if number >> bit & 1 == 1 { 6.0 } else { -6.0 };
-            vertices.push(Vec3::new(at(0), at(1), at(2)));
+            let coordinate = |bit: usize| if number >> bit & 1 == 1 { 6.0 } else { -6.0 };
+            vertices.push(Vec3::new(coordinate(0), coordinate(1), coordinate(2)));
         }
         let triangles = vec![
             [0, 2, 1],

@@ -279,7 +279,7 @@ mod tests {
             let (mut before, mut legendre) = (0.0, 1.0);
             for l in 0..ORDERS {
                 let product = |m: usize| {
-                    let [a, b] = [&of_a, &of_b].map(|of| of[l * ORDERS + m]);
+                    let [a, b] = [&of_a, &of_b].map(|moments| moments[l * ORDERS + m]);
                     let both = if m > 0 { 2.0 } else { 1.0 };
                     both * (a[0] * b[0] + a[1] * b[1])
                 };
@@ -336,7 +336,7 @@ mod tests {
         let energy_kt = 1e-8;
         for debye_angstrom in [3.0, 9.6, 30.0, 100.0] {
             let yukawa = Yukawa::uncut(7.0, 1.0 / debye_angstrom).unwrap();
-            let fields = clouds.each_ref().map(|of| FarField::new(of, &yukawa));
+            let fields = clouds.each_ref().map(|cloud| FarField::new(cloud, &yukawa));
             for (first, of_first) in clouds.iter().zip(&fields) {
                 for (second, of_second) in clouds.iter().zip(&fields) {
                     let reach = of_first.reach_angstrom(of_second, &yukawa, energy_kt);

@@ -346,10 +346,10 @@ mod tests {
         let potential = ContactPotential::new(ContactScale::Calvados3, 1.0, 298.15).unwrap();
         let pair = potential.rows[0][1];
         let minimum = (SQUARE_OF_MINIMUM * pair.square_diameter).sqrt();
-        let at = |r: f64| pair.at_square(r * r);
-        assert!((at(minimum + 1e-4) - at(minimum - 1e-4)).abs() < 1e-6);
-        assert!(at(19.999_999).abs() < 1e-9);
-        assert!(at(minimum) < at(minimum + 1.0));
+        let energy = |r: f64| pair.at_square(r * r);
+        assert!((energy(minimum + 1e-4) - energy(minimum - 1e-4)).abs() < 1e-6);
+        assert!(energy(19.999_999).abs() < 1e-9);
+        assert!(energy(minimum) < energy(minimum + 1.0));
     }
 
     #[test]

@@ -83,7 +83,7 @@ fn the_octree_ends_where_it_was_asked_to() {
     let [kind, ..] = kinds();
     let yukawa = Yukawa::uncut(7.0, 0.1).unwrap();
     let cells = Cells::new(&kind.charges, &yukawa, 60.0);
-    let at = |x: f64| {
+    let energies = |x: f64| {
         let position = Vec3::new(x, 0.0, 0.0);
         let pose = Pose {
             position,
@@ -92,7 +92,7 @@ fn the_octree_ends_where_it_was_asked_to() {
         let pose = RelativePose::new(&Pose::identity(), &pose, &position);
         cells.energy_with(&kind.charges, &pose)
     };
-    assert!(at(45.0).is_some() && at(80.0).is_none() && at(f64::NAN).is_none());
+    assert!(energies(45.0).is_some() && energies(80.0).is_none() && energies(f64::NAN).is_none());
     assert!(cells.memory_bytes() > 0);
 }
 

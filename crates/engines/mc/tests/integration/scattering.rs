@@ -58,7 +58,7 @@ fn ball(radius: f64) -> Arc<Body> {
 
 fn system(body: &Body, places: &[Vec3], boundary: Boundary) -> System {
     let kind = Arc::new(BodyType::from_body(body).unwrap());
-    let at = |position: &Vec3| {
+    let placed = |position: &Vec3| {
         let pose = Pose {
             position: *position,
             ..Pose::identity()
@@ -67,7 +67,7 @@ fn system(body: &Body, places: &[Vec3], boundary: Boundary) -> System {
     };
     System::new(
         vec![kind],
-        &places.iter().map(at).collect::<Vec<_>>(),
+        &places.iter().map(placed).collect::<Vec<_>>(),
         boundary,
     )
     .unwrap()

@@ -100,9 +100,9 @@ fn kept_energies_are_those_of_the_poses_and_runs_continue() {
     let edge = 66.0;
     let mut bodies = Vec::new();
     for number in 0..12_usize {
-        let at = [number % 3, number / 3 % 2, number / 6].map(|n| 22.0 * n as f64);
+        let corner = [number % 3, number / 3 % 2, number / 6].map(|n| 22.0 * n as f64);
         let pose = Pose {
-            position: Vec3::from(at),
+            position: Vec3::from(corner),
             rotation: Rotation::identity(),
         };
         bodies.push((number % 2, pose));

@@ -38,15 +38,15 @@ impl<'a> Body<'a> {
 
     /// Ends of all edges; in a plane the faces are edges.
     fn edges(&self) -> Vec<[Vec3; 2]> {
-        let of = |[from, to]: [usize; 2]| [self.corners[from], self.corners[to]];
+        let ends = |[from, to]: [usize; 2]| [self.corners[from], self.corners[to]];
         match self.polytope.dimension {
             2 => {
                 let faces = self.polytope.faces.iter();
                 faces
-                    .map(|face| of([face.corners[0], face.corners[1]]))
+                    .map(|face| ends([face.corners[0], face.corners[1]]))
                     .collect()
             }
-            _ => self.polytope.edges.iter().map(|edge| of(*edge)).collect(),
+            _ => self.polytope.edges.iter().map(|edge| ends(*edge)).collect(),
         }
     }
 

@@ -34,8 +34,8 @@ fn nearest(kind: &Kind, pose: &Pose, point: &Vec3) -> Vec3 {
     let own = pose.rotation.inverse() * (point - pose.position);
     let dimension = kind.dimension;
     let sum = |t: f64| {
-        let of = |k: usize| (axes[k] * own[k] / (axes[k] * axes[k] + t)).powi(2);
-        (0..dimension).map(of).sum::<f64>()
+        let share = |k: usize| (axes[k] * own[k] / (axes[k] * axes[k] + t)).powi(2);
+        (0..dimension).map(share).sum::<f64>()
     };
     let (mut low, mut high) = (0.0, kind.circumradius() * own.norm());
     for _ in 0..200 {

@@ -103,8 +103,12 @@ fn angle() -> Kind {
 /// Two cubes side by side and one on top, in space.
 fn stairs() -> Kind {
     let cube = polytope("cube");
-    let at = |x: f64, z: f64| (cube.clone(), Vec3::new(x, 0.0, z));
-    Kind::union(&[at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)], 0.0).unwrap()
+    let shifted = |x: f64, z: f64| (cube.clone(), Vec3::new(x, 0.0, z));
+    Kind::union(
+        &[shifted(0.0, 0.0), shifted(1.0, 0.0), shifted(0.0, 1.0)],
+        0.0,
+    )
+    .unwrap()
 }
 
 #[test]

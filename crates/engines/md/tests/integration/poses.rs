@@ -242,14 +242,14 @@ fn the_attractive_energies_are_those_of_the_reference() {
         let name = pose["name"].as_str().unwrap();
         let pair = Pair::from_reference(&reference, pose);
         let row = &pose["attractive"];
-        let of = |form: Form| {
+        let energies = |form: Form| {
             pair.plain(Interaction {
                 form,
                 attraction,
                 central: Central::None,
             })
         };
-        let contact = of(Form::Contact);
+        let contact = energies(Form::Contact);
         let energy = |key: &str| row[key].as_f64().unwrap();
         assert_near(contact.energy, energy("contact_energy"), EXACT, name);
         let force = vector(&row["contact_force_i"]);
@@ -258,7 +258,7 @@ fn the_attractive_energies_are_those_of_the_reference() {
         // without a cut-off tell them apart.
         if name != "tetrahedron_edge_edge" {
             assert_near(
-                of(Form::FaceSum).energy,
+                energies(Form::FaceSum).energy,
                 energy("face_sum_energy"),
                 EXACT,
                 name,

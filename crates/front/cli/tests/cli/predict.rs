@@ -474,7 +474,7 @@ fn what_training_has_seen_is_not_scored_in_another_set_either() {
         .as_array()
         .unwrap()
         .iter()
-        .map(|of| of["samples"].as_u64().unwrap())
+        .map(|part| part["samples"].as_u64().unwrap())
         .sum();
     assert_eq!(total + scored as u64, 90);
 
@@ -496,7 +496,7 @@ fn what_training_has_seen_is_not_scored_in_another_set_either() {
         .as_array()
         .unwrap()
         .iter()
-        .map(|of| &of["why"])
+        .map(|part| &part["why"])
         .collect();
     assert_eq!(why, ["no-class", "same-cluster"]);
 

@@ -44,14 +44,14 @@ fn results(place: &TemporaryFolder, name: &str) -> BTreeMap<String, Vec<u8>> {
 
 fn column(csv: &str, name: &str) -> Vec<String> {
     let mut lines = csv.lines();
-    let at = lines
+    let index = lines
         .next()
         .unwrap()
         .split(',')
         .position(|column| column == name)
         .unwrap();
     lines
-        .map(|line| line.split(',').nth(at).unwrap().to_owned())
+        .map(|line| line.split(',').nth(index).unwrap().to_owned())
         .collect()
 }
 

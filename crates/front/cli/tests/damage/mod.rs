@@ -78,18 +78,18 @@ pub fn damaged(content: &[u8], random: &mut CounterRng) -> Vec<u8> {
         } else {
             content.len()
         };
-        let at = random.index(reach.max(1)).min(content.len());
-        let length = (1 + random.index(16)).min(content.len() - at);
+        let start = random.index(reach.max(1)).min(content.len());
+        let length = (1 + random.index(16)).min(content.len() - start);
         match random.index(6) {
-            0 => content[at..at + length].fill_with(|| random.index(256) as u8),
-            1 if at < content.len() => content[at] ^= 1 << random.index(8),
-            2 => content.truncate(at.max(PREFIX)),
-            3 => drop(content.drain(at..at + length)),
-            4 => drop(content.splice(at..at, (0..length).map(|_| random.index(256) as u8))),
+            0 => content[start..start + length].fill_with(|| random.index(256) as u8),
+            1 if start < content.len() => content[start] ^= 1 << random.index(8),
+            2 => content.truncate(start.max(PREFIX)),
+            3 => drop(content.drain(start..start + length)),
+            4 => drop(content.splice(start..start, (0..length).map(|_| random.index(256) as u8))),
             _ => {
                 let word = WORDS[random.index(WORDS.len())].to_le_bytes();
-                let end = (at + [1, 2, 4, 8][random.index(4)]).min(content.len());
-                content[at..end].copy_from_slice(&word[..end - at]);
+                let end = (start + [1, 2, 4, 8][random.index(4)]).min(content.len());
+                content[start..end].copy_from_slice(&word[..end - start]);
             }
         }
     }

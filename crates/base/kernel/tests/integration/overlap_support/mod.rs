@@ -123,13 +123,13 @@ pub fn brought_to_contact(
     pose: &RelativePose,
     overlap: impl Fn(&RelativePose) -> bool,
 ) -> RelativePose {
-    let at = |length: f64| RelativePose {
+    let shifted = |length: f64| RelativePose {
         translation: pose.translation.normalize() * length,
         ..*pose
     };
     let mut clear = 80.0;
     // Step inwards so as to find the outermost contact of nonconvex bodies.
-    while clear > 0.5 && !overlap(&at(clear - 0.5)) {
+    while clear > 0.5 && !overlap(&shifted(clear - 0.5)) {
         clear -= 0.5;
     }
     let mut inside = (clear - 0.5).max(0.0);
@@ -138,13 +138,13 @@ pub fn brought_to_contact(
         if middle <= inside || middle >= clear {
             break;
         }
-        if overlap(&at(middle)) {
+        if overlap(&shifted(middle)) {
             inside = middle
         } else {
             clear = middle
         }
     }
-    at(clear)
+    shifted(clear)
 }
 
 /// The slow obvious twin: every pair of triangles, then the winding number of a corner of every

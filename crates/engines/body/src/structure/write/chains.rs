@@ -277,11 +277,13 @@ mod tests {
 
     #[test]
     fn a_polymer_is_known_by_name_or_by_its_atoms() {
-        let of = |name: &str, atoms: &[&str]| is_in_polymer(name, atoms.iter().copied());
-        assert!(of("MSE", &["SE"]) && of("ACE", &["C"]) && of("DA", &["P"]));
-        assert!(of("XYZ", &["N", "CA", "C", "Q1"]));
-        assert!(of("XYZ", &["C1'", "C2'", "C3'", "C4'", "O4'"]));
-        assert!(!of("HOH", &["O"]) && !of("CA", &["CA"]) && !of("ATP", &["PA", "C1'"]));
+        let polymer = |name: &str, atoms: &[&str]| is_in_polymer(name, atoms.iter().copied());
+        assert!(polymer("MSE", &["SE"]) && polymer("ACE", &["C"]) && polymer("DA", &["P"]));
+        assert!(polymer("XYZ", &["N", "CA", "C", "Q1"]));
+        assert!(polymer("XYZ", &["C1'", "C2'", "C3'", "C4'", "O4'"]));
+        assert!(
+            !polymer("HOH", &["O"]) && !polymer("CA", &["CA"]) && !polymer("ATP", &["PA", "C1'"])
+        );
         assert!(is_standard("LYS") && is_standard("DG") && !is_standard("MSE"));
     }
 }

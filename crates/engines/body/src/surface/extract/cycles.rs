@@ -118,7 +118,14 @@ mod tests {
                 );
             }
             for sheet in 0..cycles.count {
-                assert!(cycles.of_edge.iter().filter(|of| **of == sheet).count() >= 3);
+                assert!(
+                    cycles
+                        .of_edge
+                        .iter()
+                        .filter(|owner| **owner == sheet)
+                        .count()
+                        >= 3
+                );
             }
         }
     }

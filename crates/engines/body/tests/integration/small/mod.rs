@@ -30,14 +30,15 @@ pub fn atom(name: &str, residue: &str, place: &str, at: [f64; 3]) -> String {
 /// N, CA, C, O of residue `i` of a straight chain along x with proper peptide bonds, and a CB.
 pub fn residue(record: &str, name: &str, place: &str, i: usize) -> String {
     let x = 3.8 * i as f64;
-    let at = [
+    let backbone = [
         ("N", 0.0, 0.0),
         ("CA", 1.2, 0.8),
         ("C", 2.47, 0.0),
         ("O", 2.5, -1.2),
         ("CB", 1.2, 2.3),
     ];
-    at.iter()
+    backbone
+        .iter()
         .map(|(atom, dx, y)| line(record, atom, ' ', name, place, [x + dx, *y, 0.0], 1.0))
         .collect()
 }

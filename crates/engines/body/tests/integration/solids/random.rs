@@ -36,11 +36,11 @@ pub fn cluster(seed: u64, count: usize) -> Vec<(f64, f64, f64, f64)> {
         let (x, y, z, r) = atoms[dice.below(atoms.len())];
         let radius = radii[dice.below(5)];
         let [u, v, w] = dice.direction();
-        let at = |d: f64| (x + u * d, y + v * d, z + w * d, radius);
+        let ball = |d: f64| (x + u * d, y + v * d, z + w * d, radius);
         let n = atoms.len();
         let next = match style {
-            0 => at(r + radius + [0.0, 1e-12, -1e-12, 1e-6, -1e-3][dice.below(5)]),
-            1 => at(r + radius + 2.8 + [0.0, 1e-12, -1e-12, 1e-6, -1e-3][dice.below(5)]),
+            0 => ball(r + radius + [0.0, 1e-12, -1e-12, 1e-6, -1e-3][dice.below(5)]),
+            1 => ball(r + radius + 2.8 + [0.0, 1e-12, -1e-12, 1e-6, -1e-3][dice.below(5)]),
             2 => {
                 let step = [1.5, 2.8, 3.4, 4.6][(seed % 4) as usize];
                 (
@@ -56,7 +56,7 @@ pub fn cluster(seed: u64, count: usize) -> Vec<(f64, f64, f64, f64)> {
                 (coordinate(), coordinate(), coordinate(), radius)
             }
             _ if dice.unit() < 0.2 => (x, y, z, r),
-            _ => at(1.3 + 2.5 * dice.unit()),
+            _ => ball(1.3 + 2.5 * dice.unit()),
         };
         atoms.push(next);
     }

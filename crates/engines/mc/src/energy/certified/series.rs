@@ -142,10 +142,13 @@ mod tests {
             let (series, change) = interpolation.series(&values);
             let bound = bound + change;
             for _ in 0..2000 {
-                let at = [0; 3].map(|_| rng.uniform_in(-1.0, 1.0));
-                for found in [value::<true>(&series, at), value::<false>(&series, at)] {
-                    let error = (found - function(at)).abs();
-                    assert!(error < bound, "{at:?} {error} {bound}");
+                let point = [0; 3].map(|_| rng.uniform_in(-1.0, 1.0));
+                for found in [
+                    value::<true>(&series, point),
+                    value::<false>(&series, point),
+                ] {
+                    let error = (found - function(point)).abs();
+                    assert!(error < bound, "{point:?} {error} {bound}");
                     largest = largest.max(error);
                 }
             }

@@ -232,7 +232,7 @@ mod tests {
         let step = 0.01;
         let mut compared = 0;
         for place in places(400) {
-            let at = |shift: [f32; 3]| {
+            let shifted = |shift: [f32; 3]| {
                 let moved = [0, 1, 2].map(|axis| place[axis] + step * shift[axis]);
                 let spots = field.locate(&moved.map(|x| [x; BLOCK])).unwrap();
                 (
@@ -240,12 +240,12 @@ mod tests {
                     field.derivatives::<false>(&spots).unwrap()[7],
                 )
             };
-            let (cell, here) = at([0.0; 3]);
+            let (cell, here) = shifted([0.0; 3]);
             for axis in 0..3 {
                 let mut shift = [0.0; 3];
                 shift[axis] = 1.0;
-                let (above_cell, above) = at(shift);
-                let (below_cell, below) = at(shift.map(|x| -x));
+                let (above_cell, above) = shifted(shift);
+                let (below_cell, below) = shifted(shift.map(|x| -x));
                 // Derivatives jump from cell to cell.
                 if above_cell != cell || below_cell != cell {
                     continue;

@@ -177,7 +177,7 @@ mod tests {
                 let mut sum_kt = 0.0;
                 for image in reach.images(&pair) {
                     let pose = pair.relative_image(&image);
-                    let [first, second] = [0, 1].map(|of| &types[of].charges);
+                    let [first, second] = [0, 1].map(|kind| &types[kind].charges);
                     let energy_kt = pair_energy_kt(&yukawa, first, second, &pose).abs();
                     match far.which(&pair, &image) {
                         Images::Near => near += 1,

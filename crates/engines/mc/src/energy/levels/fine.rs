@@ -222,10 +222,10 @@ mod tests {
 
     /// Coefficients that fall with their order, as those of smooth functions do.
     fn series() -> Vec<f64> {
-        let of = |[i, j, k]: [usize; 3]| {
+        let coefficient = |[i, j, k]: [usize; 3]| {
             ((i + 7 * j + 31 * k) as f64).sin() * 0.2_f64.powi((i + j + k) as i32)
         };
-        orders().map(of).collect()
+        orders().map(coefficient).collect()
     }
 
     #[test]
@@ -255,8 +255,11 @@ mod tests {
         let chebyshev = |n: usize, t: f32| (n as f64 * f64::from(t).acos()).cos();
         for place in [[0.3, -0.8, 0.1], [-1.0, 1.0, 0.9], [0.0, 0.5, -0.6]] {
             let term = |orders: [usize; 3]| {
-                let at = |axis: usize| chebyshev(orders[axis], place[axis]);
-                f64::from(fine.coefficient(orders)) * at(0) * at(1) * at(2)
+                let polynomials = |axis: usize| chebyshev(orders[axis], place[axis]);
+                f64::from(fine.coefficient(orders))
+                    * polynomials(0)
+                    * polynomials(1)
+                    * polynomials(2)
             };
             let expected = 0.7 * orders().map(term).sum::<f64>();
             let mut sum = [0.0; BLOCK];

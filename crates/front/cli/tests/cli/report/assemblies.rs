@@ -154,16 +154,20 @@ fn the_viewer_has_the_shapes_and_the_potential_of_every_charge() {
             assert_eq!((levels.len(), numbers.len()), (8, 24), "a cube");
             for (corner, level) in numbers.chunks_exact(3).zip(levels) {
                 // The plain sum over the charges, from the cube's corner as the page has it.
-                let at: Vec<f64> = (0..3)
+                let vertex: Vec<f64> = (0..3)
                     .map(|k| mesh["low"][k].as_f64().unwrap() + span * corner[k] / 65535.0)
                     .collect();
-                assert!(at.iter().all(|x| (x.abs() - 5.0).abs() < 1e-3), "{at:?}");
+                assert!(
+                    vertex.iter().all(|x| (x.abs() - 5.0).abs() < 1e-3),
+                    "{vertex:?}"
+                );
                 let potential: f64 = charges
                     .iter()
                     .map(|[x, y, z, charge]| {
-                        let away =
-                            ((at[0] - x).powi(2) + (at[1] - y).powi(2) + (at[2] - z).powi(2))
-                                .sqrt();
+                        let away = ((vertex[0] - x).powi(2)
+                            + (vertex[1] - y).powi(2)
+                            + (vertex[2] - z).powi(2))
+                        .sqrt();
                         let screening = (-away / electrolyte.debye_length_angstrom()).exp();
                         charge * electrolyte.bjerrum_length_angstrom() * screening / away
                     })

@@ -43,7 +43,7 @@ fn a_structure_that_was_cut_in_half_is_never_a_silent_sample() {
     ] {
         let first = whole.find("\nATOM ").unwrap() + 1;
         let last = whole.rfind("\nHETATM").unwrap();
-        let after_a_line = |at: usize| at + whole[at..].find('\n').unwrap() + 1;
+        let after_a_line = |start: usize| start + whole[start..].find('\n').unwrap() + 1;
         let middle = after_a_line((first + last) / 2);
         let mut cuts: Vec<usize> = (1..=5)
             .map(|part| first + part * (last - first) / 6)
@@ -147,7 +147,7 @@ fn a_file_by_hand_without_an_end_is_a_sample_with_a_warning() {
         report
             .warnings
             .values()
-            .all(|of| of[0].contains("no mark of its end")),
+            .all(|warnings| warnings[0].contains("no mark of its end")),
         "{:?}",
         report.warnings
     );

@@ -364,14 +364,16 @@ mod tests {
     /// ΔG/kT = 2 ln c, so that K falls with the square of the salt.
     #[test]
     fn the_slope_is_that_of_the_association_constant() {
-        let at = |salt: f64| condition(salt, 2.0 * salt.ln());
-        let exponent = slope(&[at(0.05), at(0.15), at(1.0)], |row| row.salt_effect_kt);
+        let salted = |salt: f64| condition(salt, 2.0 * salt.ln());
+        let exponent = slope(&[salted(0.05), salted(0.15), salted(1.0)], |row| {
+            row.salt_effect_kt
+        });
         assert!((exponent.unwrap() + 2.0).abs() < 1e-12);
         for too_few in [
             &[][..],
-            &[at(0.1)],
-            &[at(0.1), at(0.1)],
-            &[condition(0.0, 0.0), at(0.1)],
+            &[salted(0.1)],
+            &[salted(0.1), salted(0.1)],
+            &[condition(0.0, 0.0), salted(0.1)],
         ] {
             assert_eq!(slope(too_few, |row| row.salt_effect_kt), None);
         }

@@ -478,12 +478,12 @@ mod tests {
             free_volume_fraction_error: None,
             seeds: 1,
         };
-        let at = |packing: f64| StatePoint {
+        let state = |packing: f64| StatePoint {
             packing_fraction: packing,
             compressibility_factor: 1.0 + 4.0 * packing + 10.0 * packing * packing,
             ..blank.clone()
         };
-        let mut points = [0.1, 0.25, 0.3, 0.4].map(at);
+        let mut points = [0.1, 0.25, 0.3, 0.4].map(state);
         integrate(&mut points, 4.0).unwrap();
         for point in &points {
             let packing = point.packing_fraction;
