@@ -24,6 +24,7 @@
 //! | [`cells`] | which bodies are near a point |
 //! | [`overlap`] | whether two rigid bodies overlap, and how far apart they are if not |
 //! | [`shape`] | convex shapes, and what is known of them exactly |
+//! | [`shell`] | the space between two balls, and points drawn in it |
 //! | [`setting`] | values of settings by kind, and enums whose names and texts users see |
 //! | [`sparse`] | symmetric sparse systems of a fixed pattern |
 //! | [`spline`] | cubic splines through points |
@@ -53,6 +54,7 @@ pub mod quadrature;
 pub mod random;
 pub mod setting;
 pub mod shape;
+pub mod shell;
 pub mod sparse;
 pub mod spline;
 pub mod statistics;

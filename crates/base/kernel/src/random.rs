@@ -266,6 +266,19 @@ impl CounterRng {
         self.normal_pair()[0]
     }
 
+    /// The time to the next event of a Poisson process of rate one.
+    ///
+    /// ```
+    /// use protomer_kernel::random::CounterRng;
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// let mean = (0..10_000).map(|_| rng.exponential()).sum::<f64>() / 10_000.0;
+    /// assert!((mean - 1.0).abs() < 0.04);
+    /// ```
+    pub fn exponential(&mut self) -> f64 {
+        // 1 - u lies in (0, 1].
+        -(1.0 - self.uniform()).ln()
+    }
+
     /// A direction uniform on the unit sphere.
     ///
     /// ```

@@ -287,6 +287,9 @@ impl<const D: usize> HardBody<D> {
         if squared < inner * inner || squared >= outer * outer {
             return squared < inner * inner;
         }
+        if self.half_axes.is_some() {
+            return ellipsoids::covers(&corners[0], point, radius);
+        }
         let reach = self.rounding_radius + radius;
         match &self.pieces {
             Some(pieces) => pieces.cover(corners, point, radius),

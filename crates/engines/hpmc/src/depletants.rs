@@ -34,8 +34,8 @@ use crate::reservoir::Depletant;
 use crate::system::{System, Trial};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::shape::separation::minus;
+use protomer_kernel::shell::Shell;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
 /// Depletants that forbid a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -90,7 +90,7 @@ impl<const D: usize> System<D> {
         // Balls of the inner radius about both centres are in O and N alike;
         // around one centre the ball that both share is smaller by the step.
         let body = self.body_of(new.body);
-        let shell = Shell::new::<D>(
+        let shell = Shell::<D>::new(
             (body.inner_radius + radius - length).max(0.0),
             body.outer_radius + radius,
         );
@@ -99,12 +99,12 @@ impl<const D: usize> System<D> {
             Counting::Lost => *step,
             Counting::Covered => step.map(|x| -x),
         };
-        let expected = kind.fugacity * shell.volume;
+        let expected = kind.fugacity * shell.volume();
         // Arrivals of a Poisson process: points are drawn only until one forbids the move.
-        let mut arrived = exponential(rng);
+        let mut arrived = rng.exponential();
         let mut is_gathered = false;
         while arrived < expected {
-            arrived += exponential(rng);
+            arrived += rng.exponential();
             let point = shell.point(rng);
             let beyond = minus(&point, &apart);
             // The cheaper test first: outside of the widened body at the other end of the move.
@@ -222,58 +222,183 @@ impl<const D: usize> System<D> {
     pub(crate) fn draw_depletants(&self, kind: &Depletant, rng: &mut CounterRng) -> Vec<[f64; D]> {
         let expected = kind.fugacity * self.volume();
         let mut points = Vec::new();
-        let mut arrived = exponential(rng);
+        let mut arrived = rng.exponential();
         while arrived < expected {
             let parts = std::array::from_fn(|_| rng.uniform());
             if !self.is_covered(&self.space.point(&parts), kind.radius) {
                 points.push(parts);
             }
-            arrived += exponential(rng);
+            arrived += rng.exponential();
         }
         points
     }
 }
 
-/// The space between two balls, or disks, about the origin.
-struct Shell {
-    inner_power: f64,
-    outer_power: f64,
-    volume: f64,
-}
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::body::HardBody;
+    use crate::field::Nothing;
+    use crate::system::{MoveCounts, Steps};
+    use protomer_kernel::Rotation;
+    use protomer_kernel::periodic_box::PeriodicBox;
+    use protomer_kernel::random::Purpose;
+    use protomer_kernel::statistics::summarize;
+    use std::f64::consts::PI;
 
-impl Shell {
-    fn new<const D: usize>(inner: f64, outer: f64) -> Self {
-        let (inner_power, outer_power) = (inner.powi(D as i32), outer.powi(D as i32));
-        let unit = [2.0, PI, 4.0 * PI / 3.0][D - 1];
-        Self {
-            inner_power,
-            outer_power,
-            volume: unit * (outer_power - inner_power),
-        }
+    /// Half axes of a spheroid across and along its axis.
+    const HALF_AXES: [f64; 2] = [0.5, 1.0];
+    const RADIUS: f64 = 0.2;
+
+    fn spheroid() -> HardBody<3> {
+        HardBody::ellipsoid([HALF_AXES[0], HALF_AXES[0], HALF_AXES[1]]).unwrap()
     }
 
-    fn point<const D: usize>(&self, rng: &mut CounterRng) -> [f64; D] {
-        // Uniform in r^D is uniform in the volume.
-        let power = rng.uniform_in(self.inner_power, self.outer_power);
-        let mut point = [0.0; D];
-        if D == 1 {
-            point[0] = if rng.uniform() < 0.5 { power } else { -power };
-        } else if D == 2 {
-            let (sine, cosine) = (2.0 * PI * rng.uniform()).sin_cos();
-            let radius = power.sqrt();
-            point[0] = radius * cosine;
-            point[1] = radius * sine;
-        } else {
-            let direction = rng.unit_vector() * power.cbrt();
-            for (axis, x) in point.iter_mut().enumerate() {
-                *x = direction[axis];
+    /// Radius of the circle that the spheroid, widened by the depletant, has at a height of its axis.
+    fn profile(height: f64) -> f64 {
+        let [a, c] = HALF_AXES;
+        // The point of the surface at an angle, moved along its normal.
+        let widened = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            let normal = [cosine / a, sine / c];
+            let length = normal[0].hypot(normal[1]);
+            [
+                a * cosine + RADIUS * normal[0] / length,
+                c * sine + RADIUS * normal[1] / length,
+            ]
+        };
+        if height.abs() >= c + RADIUS {
+            return 0.0;
+        }
+        let (mut low, mut high) = (0.0, 0.5 * PI);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            match widened(middle)[1] < height.abs() {
+                true => low = middle,
+                false => high = middle,
             }
         }
-        point
+        widened(low)[0]
     }
-}
 
-/// The time to the next event of a Poisson process of rate one.
-fn exponential(rng: &mut CounterRng) -> f64 {
-    -(1.0 - rng.uniform()).ln()
+    /// Area that two circles share.
+    fn lens(first: f64, second: f64, apart: f64) -> f64 {
+        if apart >= first + second {
+            return 0.0;
+        }
+        if apart <= (first - second).abs() {
+            return PI * first.min(second).powi(2);
+        }
+        let [p, q] = [(first, second), (second, first)].map(|(one, other)| {
+            let along = (apart * apart + one * one - other * other) / (2.0 * apart);
+            let cosine = (along / one).clamp(-1.0, 1.0);
+            one * one * (cosine.acos() - cosine * (1.0 - cosine * cosine).sqrt())
+        });
+        p + q
+    }
+
+    /// Volume that two parallel widened spheroids share, by slices.
+    fn shared_volume(profiles: &[f64], spacing: f64, across: f64, along: f64) -> f64 {
+        let middle = (profiles.len() / 2) as isize;
+        let shift = (along / spacing).round() as isize;
+        let radius = |slice: isize| {
+            profiles
+                .get((slice + middle) as usize)
+                .copied()
+                .unwrap_or(0.0)
+        };
+        let slices = -middle..=middle;
+        slices
+            .map(|slice| lens(radius(slice), radius(slice - shift), across))
+            .sum::<f64>()
+            * spacing
+    }
+
+    /// Part of the time for which two parallel spheroids that do not turn are nearer than `near` contacts, in a box.
+    fn exact_part(fugacity: f64, edge: f64, near: f64) -> f64 {
+        let [a, c] = HALF_AXES;
+        let spacing = 0.01;
+        let half = ((c + RADIUS) / spacing).ceil() as isize;
+        let profiles: Vec<f64> = (-half..=half)
+            .map(|slice| profile(slice as f64 * spacing))
+            .collect();
+        // Distances in contacts s and the cosine u of the angle, in the space in which the spheroids are balls.
+        let (steps, farthest) = (160, 1.0 + RADIUS / a);
+        let (mut excess, mut inside) = (0.0, 0.0);
+        for number in 0..steps {
+            let s = 1.0 + (farthest - 1.0) * (number as f64 + 0.5) / steps as f64;
+            for angle in 0..200 {
+                let u = (f64::from(angle) + 0.5) / 200.0;
+                let (across, along) = (2.0 * a * s * (1.0 - u * u).sqrt(), 2.0 * c * s * u);
+                let weight = (fugacity * shared_volume(&profiles, spacing, across, along)).exp();
+                let volume =
+                    4.0 * PI * s * s * 8.0 * a * a * c * (farthest - 1.0) / (steps as f64 * 200.0);
+                excess += (weight - 1.0) * volume;
+                inside += if s < near { weight * volume } else { 0.0 };
+            }
+        }
+        let contact = 4.0 * PI / 3.0 * 8.0 * a * a * c;
+        inside / (edge.powi(3) - contact + excess)
+    }
+
+    /// Two parallel spheroids among depletants, beside each other, tip to tip and anything between, by the volume that they
+    /// share as integrals over slices.
+    #[test]
+    fn parallel_spheroids_have_their_exact_statistics() {
+        let (edge, fugacity, near) = (5.0, 14.0, 1.15);
+        let exact = exact_part(fugacity, edge, near);
+        let depletants = vec![Depletant {
+            radius: RADIUS,
+            fugacity,
+        }];
+        let space = PeriodicBox::rectangular([edge; 3]).unwrap();
+        let places = vec![[1.0, 1.0, 1.0], [3.0, 3.0, 3.0]];
+        let rotations = vec![Rotation::identity(); 2];
+        let mut system = System::new(spheroid(), depletants, space, places, rotations).unwrap();
+        // Turns by nothing: the bodies stay parallel.
+        let steps = Steps {
+            translation: 0.6,
+            rotation: 0.0,
+        };
+        let mut counts = MoveCounts::default();
+        let mut series = Vec::new();
+        for number in 0..400_000_u64 {
+            let mut rng = CounterRng::for_purpose(3, 0, number, Purpose::HardBodyMove);
+            let counting = Counting::Lost;
+            system.trial(&mut rng, &steps, counting, &mut Nothing, &mut counts);
+            if number % 4 == 0 {
+                let [x, y, z] = system.nearest_image(&system.positions[0], &system.positions[1]);
+                let [a, c] = HALF_AXES;
+                let contacts = 0.5 * (x / a).hypot(y / a).hypot(z / c);
+                assert!(contacts >= 1.0 - 1e-9);
+                series.push(f64::from(u8::from(contacts < near)));
+            }
+        }
+        let found = summarize(&series);
+        assert!(found.standard_error < 0.04 * exact, "{exact}, {found:?}");
+        assert!(
+            (found.mean - exact).abs() < 4.0 * found.standard_error,
+            "{exact}, {found:?}"
+        );
+    }
+
+    /// The volume that an ellipsoid leaves free is exact by the formula of Steiner: V + S r + M r² + 4π/3 r³.
+    #[test]
+    fn one_ellipsoid_leaves_the_volume_of_steiner_s_formula() {
+        let half_axes = [0.4, 1.0, 1.5];
+        let body = HardBody::<3>::ellipsoid(half_axes).unwrap();
+        let space = PeriodicBox::rectangular([4.0; 3]).unwrap();
+        let turn = Rotation::from_scaled_axis(protomer_kernel::Vec3::new(0.3, 0.8, -0.5));
+        let system = System::new(body, Vec::new(), space, vec![[2.0; 3]], vec![turn]).unwrap();
+        for radius in [0.1, 0.45] {
+            let widened =
+                protomer_kernel::shape::ellipsoid::measures_of_ellipsoid(&half_axes, radius)
+                    .unwrap();
+            let mut rng = CounterRng::for_purpose(1, 0, 0, Purpose::HardBodyInsertion);
+            let free = system.free_volume(radius, 400_000, &mut rng);
+            let exact = 1.0 - widened.volume / 64.0;
+            assert!((free - exact).abs() < 4e-4, "{radius}: {free}, {exact}");
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Whether two ellipsoids, or in a plane ellipses, overlap.
+//! Whether two ellipsoids, or in a plane ellipses, overlap, and whether one covers the centre of a depletant.
 //!
 //! With the turned half axes of a body as the columns of a matrix H, the body is the set of H u with |u| ≤ 1, and
 //! A = H Hᵀ. For two bodies at a distance r, and λ between 0 and 1, let
@@ -103,6 +103,15 @@ pub(crate) fn overlap<const D: usize>(
         };
     }
     true
+}
+
+/// Whether a point is within a radius of the body with these half axes: whether a ball about the point and the body overlap.
+pub(crate) fn covers<const D: usize>(axes: &Block<D>, point: &[f64; D], radius: f64) -> bool {
+    let mut ball = [[0.0; LANES]; D];
+    for (axis, row) in ball.iter_mut().enumerate() {
+        row[axis] = radius;
+    }
+    overlap(axes, &ball, point, &mut { *point })
 }
 
 /// The matrix H Hᵀ of half axes.
@@ -321,6 +330,71 @@ mod tests {
                     assert_eq!(decision, expected, "{half_axes:?} at {factor}");
                 }
             }
+        }
+    }
+
+    /// The distance of a point from the surface of a body with half axes along the coordinates: the nearest point is
+    /// (hᵢ² xᵢ / (hᵢ² + t))ᵢ, and t is where it lies on the surface (Hart, Graphics Gems IV (1994), 113). By bisection.
+    fn distance<const D: usize>(half_axes: &[f64; D], point: &[f64; D]) -> f64 {
+        let nearest = |t: f64| -> [f64; D] {
+            std::array::from_fn(|axis| {
+                let squared = half_axes[axis] * half_axes[axis];
+                squared * point[axis] / (squared + t)
+            })
+        };
+        let is_outside = |t: f64| {
+            let parts = nearest(t).into_iter().zip(half_axes).map(|(x, h)| x / h);
+            parts.map(|part| part * part).sum::<f64>() > 1.0
+        };
+        let (mut low, mut high) = (0.0, 1e6);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if is_outside(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let apart: [f64; D] = std::array::from_fn(|axis| point[axis] - nearest(low)[axis]);
+        match is_outside(0.0) {
+            true => dot(&apart, &apart).sqrt(),
+            false => 0.0,
+        }
+    }
+
+    fn compare_cover<const D: usize>(half_axes: [f64; D], radius: f64) {
+        let body = HardBody::ellipsoid(half_axes).unwrap();
+        let mut axes = [[[0.0; 4]; D]];
+        let mut covered = 0;
+        for number in 0..4000 {
+            let mut rng = CounterRng::for_purpose(13, D as u32, number, Purpose::HardBodyStart);
+            let rotation = random_rotation::<D>(&mut rng);
+            body.turned_into(&rotation, &mut axes);
+            let point: [f64; D] = std::array::from_fn(|axis| {
+                (half_axes[axis] + 1.5 * radius) * rng.uniform_in(-1.0, 1.0)
+            });
+            let turn = crate::body::matrix::<D>(&rotation);
+            let turned: [f64; D] = std::array::from_fn(|row| dot(&turn[row], &point));
+            let distance = distance(&half_axes, &point);
+            let expected = distance < radius;
+            assert_eq!(
+                body.covers(&axes, &turned, radius),
+                expected,
+                "{point:?} at {distance} of {half_axes:?}"
+            );
+            covered += usize::from(expected);
+        }
+        assert!((400..3600).contains(&covered), "{covered}");
+    }
+
+    /// Flat, long and triaxial bodies, and depletants smaller and larger than they.
+    #[test]
+    fn points_are_covered_that_are_nearer_than_the_radius() {
+        for radius in [0.05, 0.3, 2.0] {
+            compare_cover([1.0, 1.0, 3.0], radius);
+            compare_cover([0.4, 1.0, 1.5], radius);
+            compare_cover([1.0, 1.0, 0.1], radius);
+            compare_cover([1.0, 4.0], radius);
         }
     }
 

@@ -30,7 +30,6 @@ pub(crate) use room::{bodies_in_longer_box, first_that_works, least_edge};
 pub use steps::{Counts, MoveCounts, Steps};
 
 use crate::body::HardBody;
-use crate::error::require;
 use crate::grid::{Grid, Near};
 use crate::mixture::Mixture;
 use crate::potential::PairPotential;
@@ -146,12 +145,6 @@ impl<const D: usize> System<D> {
         }
         let Mixture { kinds, kind_of } = mixture;
         let are_ellipsoids = kinds.iter().any(|kind| kind.half_axes().is_some());
-        require(
-            "the number of kinds of depletants among ellipsoids",
-            depletants.len() as f64,
-            "0: they act between polyhedra and balls, rounded or not",
-            !are_ellipsoids || depletants.is_empty(),
-        )?;
         let stride = kinds.iter().map(HardBody::blocks).max().unwrap_or(0);
         let places: Vec<[f64; D]> = positions.iter().map(|place| space.wrap(place)).collect();
         let is_round = kinds.iter().all(HardBody::is_round);

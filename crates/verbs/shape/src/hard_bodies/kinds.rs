@@ -52,13 +52,6 @@ impl Shapes {
                 settings.shape[other]
             );
         }
-        if is_ellipsoid(first) && !settings.depletants.is_empty() {
-            bail!(
-                "--shape {} cannot be among depletants: they act between polyhedra, polygons and balls, rounded or not; leave \
-                 out --depletants",
-                settings.shape[0]
-            );
-        }
         Ok(Self(shapes))
     }
 
