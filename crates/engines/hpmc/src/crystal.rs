@@ -2,6 +2,7 @@
 
 use crate::body::{HardBody, norm};
 use crate::error::{require, require_packing_fraction};
+use crate::mixture::Mixture;
 use crate::reservoir::Depletant;
 use crate::symmetry::{Symmetry, frame};
 use crate::system::{System, bodies_in_longer_box, first_that_works, least_edge};
@@ -26,6 +27,13 @@ pub const NAMES: [&[&str]; 3] = [
     ],
 ];
 
+/// Names of unit cells with sites for several kinds of bodies, by dimension.
+pub const NAMES_OF_SEVERAL: [&[&str]; 3] = [
+    &["alternating"],
+    &["checkerboard"],
+    &["nacl", "cscl", "zincblende", "wurtzite"],
+];
+
 /// Sites nearer to each other than this part of the cell are the same.
 const SAME: f64 = 1e-6;
 /// Translations are across a bond if the cosine of their angle is less.
@@ -38,6 +46,8 @@ pub struct Site<const D: usize> {
     pub place: [f64; D],
     /// The orientation of the body on it.
     pub rotation: Rotation,
+    /// Number of the kind of the body on it.
+    pub kind: u32,
 }
 
 /// A unit cell.
@@ -46,7 +56,7 @@ pub struct Site<const D: usize> {
 /// use protomer_hpmc::body::HardBody;
 /// use protomer_hpmc::crystal::{Crystal, Site, UnitCell};
 /// use protomer_kernel::{Rotation, periodic_box::PeriodicBox};
-/// let site = |place| Site { place, rotation: Rotation::identity() };
+/// let site = |place| Site { place, rotation: Rotation::identity(), kind: 0 };
 /// let honeycomb = UnitCell {
 ///     space: PeriodicBox::with_angles(&[1.0, 1.0], &[60.0])?,
 ///     sites: vec![site([0.0, 0.0]), site([1.0 / 3.0, 1.0 / 3.0])],
@@ -72,14 +82,16 @@ impl<const D: usize> UnitCell<D> {
     /// In the diamonds, the bodies of the two kinds of sites are turned so that the faces of a (truncated)
     /// tetrahedron by name look at the four neighbours. In the hexagonal crystal, nearest neighbours
     /// are at odd multiples of 30 degrees from the first axis, where hexagons by name have their
-    /// edges.
+    /// edges. The cells of several kinds are a row and a square with two kinds by turns, rock salt, caesium chloride, and the
+    /// two diamonds with a kind on either kind of site.
     ///
     /// # Errors
-    /// For an unknown name, which lists the [`NAMES`].
+    /// For an unknown name, which lists the [`NAMES`] and the [`NAMES_OF_SEVERAL`].
     ///
     /// ```
     /// use protomer_hpmc::crystal::UnitCell;
     /// assert_eq!(UnitCell::<3>::by_name("fcc")?.sites.len(), 4);
+    /// assert_eq!(UnitCell::<3>::by_name("nacl")?.composition(), [4, 4]);
     /// assert!(UnitCell::<2>::by_name("fcc").is_err());
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
@@ -93,13 +105,17 @@ impl<const D: usize> UnitCell<D> {
             (3, "fcc") => (&[1.0; 3], &FCC),
             (3, "hcp") => (&[1.0, SQRT_3, SQRT_8_3], &HCP),
             (3, "a15") => (&[1.0; 3], &A15),
-            (3, "diamond") => (&[1.0; 3], &DIAMOND),
-            (3, "hexagonal-diamond") => (&[1.0, SQRT_3, SQRT_8_3], &HEXAGONAL_DIAMOND),
+            (3, "diamond" | "zincblende") => (&[1.0; 3], &DIAMOND),
+            (3, "hexagonal-diamond" | "wurtzite") => (&[1.0, SQRT_3, SQRT_8_3], &HEXAGONAL_DIAMOND),
+            (1, "alternating") => (&[1.0], &[&[0.0], &[0.5]]),
+            (2, "checkerboard") => (&[1.0; 2], &[&[0.0; 2], &[0.5; 2]]),
+            (3, "cscl") => (&[1.0; 3], &[&[0.0; 3], &[0.5; 3]]),
+            (3, "nacl") => (&[1.0; 3], &ROCK_SALT),
             _ => {
                 return Err(Error::UnknownCrystal {
                     name: name.to_owned(),
                     dimension: D,
-                    names: NAMES[D - 1],
+                    names: [NAMES[D - 1], NAMES_OF_SEVERAL[D - 1]].concat(),
                 });
             }
         };
@@ -107,16 +123,55 @@ impl<const D: usize> UnitCell<D> {
             space: PeriodicBox::rectangular(std::array::from_fn(|axis| edges[axis]))?,
             sites: Vec::new(),
         };
-        for place in places {
+        let is_of_several = NAMES_OF_SEVERAL[D - 1].contains(&name);
+        for (number, place) in places.iter().enumerate() {
+            // Sites of the second kind are the second half, but for wurtzite, whose layers come in pairs.
+            let second = match name {
+                "wurtzite" => number / 2 % 2,
+                _ => 2 * number / places.len(),
+            };
             cell.sites.push(Site {
                 place: std::array::from_fn(|axis| place[axis]),
                 rotation: Rotation::identity(),
+                kind: if is_of_several { second as u32 } else { 0 },
             });
         }
-        if name.ends_with("diamond") {
+        if name.ends_with("diamond") || ["zincblende", "wurtzite"].contains(&name) {
             cell.turn_to_neighbours();
         }
         Ok(cell)
+    }
+
+    /// Number of sites of each kind of bodies.
+    ///
+    /// ```
+    /// use protomer_hpmc::crystal::UnitCell;
+    /// assert_eq!(UnitCell::<3>::by_name("cscl")?.composition(), [1, 1]);
+    /// assert_eq!(UnitCell::<3>::by_name("bcc")?.composition(), [2]);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    pub fn composition(&self) -> Vec<usize> {
+        let kinds = self.sites.iter().map(|site| site.kind as usize + 1).max();
+        let count = |kind| {
+            self.sites
+                .iter()
+                .filter(move |site| site.kind as usize == kind)
+        };
+        (0..kinds.unwrap_or(0))
+            .map(|kind| count(kind).count())
+            .collect()
+    }
+
+    /// The kind of each of so many bodies, as the sites of repeated cells have them.
+    ///
+    /// ```
+    /// use protomer_hpmc::crystal::UnitCell;
+    /// assert_eq!(UnitCell::<3>::by_name("cscl")?.kinds_of_bodies(4), [0, 1, 0, 1]);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    pub fn kinds_of_bodies(&self, bodies: usize) -> Vec<u32> {
+        let kinds = self.sites.iter().map(|site| site.kind).cycle();
+        kinds.take(bodies).collect()
     }
 
     /// Turns each body so that the faces of a tetrahedron look at the four nearest sites.
@@ -171,6 +226,7 @@ impl<const D: usize> UnitCell<D> {
                 std::array::from_fn(|axis| site.place[axis] + to.place[axis] - first.place[axis]);
             let lands_on = |other: &Site<D>| {
                 is_same_place(&shifted_place, &other.place)
+                    && other.kind == site.kind
                     && symmetry.are_alike(&other.rotation, &site.rotation)
             };
             self.sites.iter().any(lands_on)
@@ -191,6 +247,13 @@ impl<const D: usize> UnitCell<D> {
             volume,
             "from 1e-307 to 1e308",
             holds,
+        )?;
+        let fewest = self.composition().into_iter().min().unwrap_or(0);
+        require(
+            "the number of sites of a kind in the unit cell",
+            fewest as f64,
+            "at least 1: number the kinds without gaps",
+            fewest > 0,
         )?;
         for (second, site) in self.sites.iter().enumerate() {
             if let Some(first) = self.sites[..second]
@@ -220,6 +283,16 @@ const FCC: [&[f64]; 4] = [
     &[0.0, 0.5, 0.5],
     &[0.5, 0.0, 0.5],
     &[0.5, 0.5, 0.0],
+];
+const ROCK_SALT: [&[f64]; 8] = [
+    &[0.0, 0.0, 0.0],
+    &[0.0, 0.5, 0.5],
+    &[0.5, 0.0, 0.5],
+    &[0.5, 0.5, 0.0],
+    &[0.5, 0.0, 0.0],
+    &[0.5, 0.5, 0.5],
+    &[0.0, 0.0, 0.5],
+    &[0.0, 0.5, 0.0],
 ];
 const HCP: [&[f64]; 4] = [
     &[0.0, 0.0, 0.0],
@@ -355,21 +428,53 @@ impl<const D: usize> Crystal<D> {
         bodies: usize,
         packing_fraction: f64,
     ) -> Result<Self> {
+        let mixture = Mixture::equal(body.clone(), bodies);
+        Self::of_mixture(cell, &mixture, depletants, packing_fraction)
+    }
+
+    /// Variant of [`among`](Self::among) for bodies of several kinds, on the sites in their order: cell by cell, and in each cell as its
+    /// sites come.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); also for fewer kinds of bodies than the cell has kinds of sites.
+    ///
+    /// ```
+    /// use protomer_hpmc::body::HardBody;
+    /// use protomer_hpmc::crystal::{Crystal, UnitCell};
+    /// use protomer_hpmc::mixture::Mixture;
+    /// let cell = UnitCell::<3>::by_name("nacl")?;
+    /// let balls = vec![HardBody::ball(0.5)?, HardBody::ball(0.2)?];
+    /// let mixture = Mixture::new(balls, cell.kinds_of_bodies(64))?;
+    /// let crystal = Crystal::of_mixture(&cell, &mixture, &[], 0.75)?;
+    /// assert_eq!(crystal.system_of(&mixture, &[])?.overlaps(), 0);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    pub fn of_mixture(
+        cell: &UnitCell<D>,
+        mixture: &Mixture<D>,
+        depletants: &[Depletant],
+        packing_fraction: f64,
+    ) -> Result<Self> {
         cell.check()?;
         require_packing_fraction(packing_fraction)?;
-        let sites = cell.sites.len();
+        let (kinds, given) = (cell.composition().len(), mixture.kinds().len());
+        if given < kinds {
+            return Err(Error::KindsOfCrystal { kinds, given });
+        }
+        let (sites, bodies) = (cell.sites.len(), mixture.len());
+        let volume_per_body = mean_volume(mixture) / packing_fraction;
         if bodies == 0 || !bodies.is_multiple_of(sites) {
             let cells_per_edge = (bodies as f64 / sites as f64).powf(1.0 / D as f64).round();
             let nearest = cells_per_edge.max(2.0).powi(D as i32) as usize * sites;
-            let least = least_edge(body.outer_radius, depletants);
+            let least = least_edge(mixture.widest(), depletants);
             return Err(Error::PartialCell {
                 bodies,
                 sites,
-                nearest: fewest_bodies(cell, nearest, body.volume / packing_fraction, least),
+                nearest: fewest_bodies(cell, nearest, volume_per_body, least),
             });
         }
         let cells = bodies / sites;
-        let (scaled, repeats) = cells_of_crystal(cell, bodies, body.volume / packing_fraction);
+        let (scaled, repeats) = cells_of_crystal(cell, bodies, volume_per_body);
         let (mut positions, mut rotations) = (Vec::new(), Vec::new());
         // Cells in order, x fastest, then their sites.
         for number in 0..cells {
@@ -395,10 +500,10 @@ impl<const D: usize> Crystal<D> {
     }
 
     /// A number of bodies, whole cells of them and not less than the given one, whose box cannot shrink below the
-    /// least length at constant pressure: as much room is left as for a cube of the given number.
-    pub fn fewest_bodies_from(&self, bodies: usize, body: &HardBody<D>, least: f64) -> usize {
-        let unit = (bodies as f64 * body.volume).powf(1.0 / D as f64);
-        fewest_bodies(&self.cell, bodies, body.volume, unit.max(least))
+    /// least length at constant pressure: as much room is left as for a cube of the given number. Bodies have this mean volume.
+    pub fn fewest_bodies_from(&self, bodies: usize, mean_volume: f64, least: f64) -> usize {
+        let unit = (bodies as f64 * mean_volume).powf(1.0 / D as f64);
+        fewest_bodies(&self.cell, bodies, mean_volume, unit.max(least))
     }
 
     /// The bodies on their sites.
@@ -416,23 +521,33 @@ impl<const D: usize> Crystal<D> {
     /// # Errors
     /// If they overlap there, or the box is too small.
     pub fn system(&self, body: &HardBody<D>, depletants: &[Depletant]) -> Result<System<D>> {
+        let mixture = Mixture::equal(body.clone(), self.positions.len());
+        self.system_of(&mixture, depletants)
+    }
+
+    /// Variant of [`system`](Self::system) for bodies of several kinds, as many as there are sites.
+    ///
+    /// # Errors
+    /// As [`system`](Self::system).
+    pub fn system_of(&self, mixture: &Mixture<D>, depletants: &[Depletant]) -> Result<System<D>> {
         let (edge, least) = (
             self.space.smallest_length(),
-            least_edge(body.outer_radius, depletants),
+            least_edge(mixture.widest(), depletants),
         );
         if edge < least {
             let bodies = self.positions.len();
-            let packing_fraction = bodies as f64 * body.volume / self.space.volume();
+            let packing_fraction = bodies as f64 * mean_volume(mixture) / self.space.volume();
+            let volume_per_body = mean_volume(mixture) / packing_fraction;
             return Err(Error::BoxTooSmall {
                 edge,
                 least,
-                bodies: fewest_bodies(&self.cell, bodies, body.volume / packing_fraction, least),
+                bodies: fewest_bodies(&self.cell, bodies, volume_per_body, least),
             });
         }
         let at_scale = |scale: f64| {
             let place = |place: &[f64; D]| place.map(|x| x * scale);
-            System::new(
-                body.clone(),
+            System::of_mixture(
+                mixture.clone(),
                 depletants.to_vec(),
                 self.space.scaled(scale),
                 self.positions.iter().map(place).collect(),
@@ -579,6 +694,14 @@ impl<const D: usize> Crystal<D> {
     }
 }
 
+/// Mean volume of a body; of equal bodies without the rounding of a sum.
+fn mean_volume<const D: usize>(mixture: &Mixture<D>) -> f64 {
+    match mixture.kinds() {
+        [body] => body.volume,
+        _ => mixture.mean_volume(),
+    }
+}
+
 /// A unit cell in the size that a crystal of so many bodies has, with so much volume for each, and how often it is
 /// repeated.
 fn cells_of_crystal<const D: usize>(
@@ -677,6 +800,88 @@ mod tests {
                 .iter()
                 .all(|name| UnitCell::<3>::by_name(name).is_ok())
         );
+        assert!(UnitCell::<1>::by_name(NAMES_OF_SEVERAL[0][0]).is_ok());
+    }
+
+    /// Neighbours that touch are of the other kind, and as many as in the minerals.
+    #[test]
+    fn cells_of_several_kinds_alternate() {
+        fn neighbours<const D: usize>(name: &str, expected: usize) {
+            let cell = UnitCell::<D>::by_name(name).unwrap();
+            let [first, second] = cell.composition()[..] else {
+                unreachable!("{name}")
+            };
+            assert_eq!(first, second);
+            let mixture =
+                Mixture::new(vec![ball(), ball()], cell.kinds_of_bodies(216 * 2 * first)).unwrap();
+            let crystal = Crystal::of_mixture(&cell, &mixture, &[], 0.1).unwrap();
+            let way = |one: usize, other: usize| {
+                let apart = std::array::from_fn(|axis| {
+                    crystal.positions[other][axis] - crystal.positions[one][axis]
+                });
+                norm(&crystal.space.nearest_image(&apart))
+            };
+            let others = |one: usize| (0..mixture.len()).filter(move |other| *other != one);
+            for one in 0..cell.sites.len() {
+                let nearest = others(one)
+                    .map(|other| way(one, other))
+                    .fold(f64::INFINITY, f64::min);
+                let touching = others(one).filter(|other| way(one, *other) < 1.001 * nearest);
+                let touching: Vec<usize> = touching.collect();
+                assert_eq!(touching.len(), expected, "{name}");
+                assert!(
+                    touching
+                        .iter()
+                        .all(|other| mixture.kind_of()[*other] != mixture.kind_of()[one])
+                );
+            }
+        }
+        neighbours::<3>("nacl", 6);
+        neighbours::<3>("cscl", 8);
+        neighbours::<3>("zincblende", 4);
+        neighbours::<3>("wurtzite", 4);
+        neighbours::<2>("checkerboard", 4);
+    }
+
+    /// Balls of two sizes touch as in the minerals.
+    #[test]
+    fn balls_of_two_sizes_pack_as_densely_as_their_radii_allow() {
+        let densest = |name: &str, radii: [f64; 2], bodies: usize| {
+            let cell = UnitCell::<3>::by_name(name).unwrap();
+            let kinds = radii.map(|radius| HardBody::ball(radius).unwrap()).to_vec();
+            let mixture = Mixture::new(kinds, cell.kinds_of_bodies(bodies)).unwrap();
+            let crystal = Crystal::of_mixture(&cell, &mixture, &[], 0.95).unwrap();
+            match crystal.system_of(&mixture, &[]) {
+                Err(Error::Dense { largest, .. }) => largest,
+                other => unreachable!("{name}: {other:?}"),
+            }
+        };
+        let small = 2.0_f64.sqrt() - 1.0;
+        // Both kinds touch: edge 2 (1 + r), four of each.
+        let edge = 2.0 * (1.0 + small);
+        let rock_salt = 16.0 / 3.0 * PI * (1.0 + small.powi(3)) / edge.powi(3);
+        assert!((densest("nacl", [1.0, small], 512) - rock_salt).abs() < 1e-7);
+        let small = 3.0_f64.sqrt() - 1.0;
+        let caesium = 4.0 / 3.0 * PI * (1.0 + small.powi(3)) / 8.0;
+        assert!((densest("cscl", [1.0, small], 250) - caesium).abs() < 1e-7);
+    }
+
+    #[test]
+    fn crystals_of_several_kinds_refuse_bodies_of_one() {
+        let cell = UnitCell::<3>::by_name("nacl").unwrap();
+        let refused = Crystal::new(&cell, &ball(), 64, 0.1).unwrap_err();
+        assert_eq!(refused, Error::KindsOfCrystal { kinds: 2, given: 1 });
+        let gap = UnitCell {
+            sites: vec![Site {
+                kind: 1,
+                ..cell.sites[0]
+            }],
+            ..cell
+        };
+        let words = Crystal::new(&gap, &ball(), 64, 0.1)
+            .unwrap_err()
+            .to_string();
+        assert!(words.contains("without gaps"), "{words}");
     }
 
     /// The largest packing fraction of a crystal, as its error tells it.
@@ -874,6 +1079,7 @@ mod tests {
             let sites = places.iter().map(|place| Site {
                 place: *place,
                 rotation: Rotation::identity(),
+                kind: 0,
             });
             let cell = UnitCell {
                 space: PeriodicBox::rectangular([1.0; 3]).unwrap(),

@@ -155,7 +155,18 @@ pub enum Error {
         /// Number of dimensions of the bodies.
         dimension: usize,
         /// Names of the crystals that are known.
-        names: &'static [&'static str],
+        names: Vec<&'static str>,
+    },
+    /// A crystal with sites for more kinds of bodies than there are.
+    #[error(
+        "the crystal has sites for {kinds} kinds of bodies, and there is only {given}; give a crystal of one kind, or run a \
+         mixture"
+    )]
+    KindsOfCrystal {
+        /// Kinds of sites.
+        kinds: usize,
+        /// Kinds of bodies.
+        given: usize,
     },
     /// A curve needs more points.
     #[error("there are {given} points; a curve through them needs at least {fewest}")]

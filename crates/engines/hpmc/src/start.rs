@@ -175,7 +175,7 @@ impl<const D: usize> Start<D> {
     /// Bodies of several kinds in their places, as [`make`](Self::make).
     ///
     /// # Errors
-    /// As [`make`](Self::make); also for several kinds on the sites of a crystal, and another number of bodies.
+    /// As [`make`](Self::make); also for another number of bodies.
     pub fn make_mixture(
         &self,
         mixture: &Mixture<D>,
@@ -191,13 +191,10 @@ impl<const D: usize> Start<D> {
             count == wanted,
         )?;
         match self {
-            Self::Crystal(crystal) => match mixture.kinds() {
-                [body] => Ok((crystal.system(body, depletants)?, first_steps(mixture))),
-                _ => Err(Error::NotTogether {
-                    first: "several kinds of bodies",
-                    second: "a crystal as the start",
-                }),
-            },
+            Self::Crystal(crystal) => Ok((
+                crystal.system_of(mixture, depletants)?,
+                first_steps(mixture),
+            )),
             Self::Placed(placed) => Ok((placed.system(mixture, depletants)?, first_steps(mixture))),
             Self::Fluid {
                 bodies,

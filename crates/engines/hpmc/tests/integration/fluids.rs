@@ -108,6 +108,7 @@ fn two_spheres(
     let site = |part: f64| Site {
         place: [part; 3],
         rotation: Rotation::identity(),
+        kind: 0,
     };
     let cell = UnitCell {
         space: PeriodicBox::new([1.0; 3], tilt_factors).unwrap(),

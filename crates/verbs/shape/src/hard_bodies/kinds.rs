@@ -4,6 +4,7 @@ use super::settings::HardBodySettings;
 use super::start::BodyShape;
 use anyhow::{Context, Result, bail};
 use protomer_hpmc::body::HardBody;
+use protomer_hpmc::crystal::UnitCell;
 use protomer_hpmc::mixture::Mixture;
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::random::{CounterRng, Purpose};
@@ -12,6 +13,8 @@ use protomer_kernel::random::{CounterRng, Purpose};
 const ORDER: u32 = 1 << 8;
 /// Stream of the sizes.
 const SIZES: u32 = ORDER + 1;
+/// Shares that differ by less, relative to each other, are the same.
+const SAME_SHARE: f64 = 1e-9;
 /// Largest deviation of a size, in standard deviations.
 const FARTHEST: f64 = 3.0;
 
@@ -106,8 +109,33 @@ impl Shapes {
         &self,
         settings: &HardBodySettings,
     ) -> Result<Mixture<D>> {
+        self.mixture_in_order(settings, order(self.0.len(), settings))
+    }
+
+    /// The bodies of the settings on the sites of a crystal: as its sites have their kinds, or in random order where these are
+    /// all alike.
+    ///
+    /// # Errors
+    /// If the crystal has other kinds, or others shares of them, than the settings.
+    pub(super) fn mixture_on<const D: usize>(
+        &self,
+        settings: &HardBodySettings,
+        cell: &UnitCell<D>,
+    ) -> Result<Mixture<D>> {
+        let composition = cell.composition();
+        if composition.len() <= 1 {
+            return self.mixture(settings);
+        }
+        require_composition(settings, &composition)?;
+        self.mixture_in_order(settings, cell.kinds_of_bodies(settings.bodies))
+    }
+
+    fn mixture_in_order<const D: usize>(
+        &self,
+        settings: &HardBodySettings,
+        kind_of: Vec<u32>,
+    ) -> Result<Mixture<D>> {
         let kinds = self.kinds::<D>(settings)?;
-        let kind_of = order(kinds.len(), settings);
         if settings.spread == 0.0 {
             return Ok(Mixture::new(kinds, kind_of)?);
         }
@@ -120,6 +148,41 @@ impl Shapes {
         }
         let numbers = (0..bodies.len() as u32).collect();
         Ok(Mixture::new(bodies, numbers)?)
+    }
+}
+
+/// Checks that shapes and shares are those of a crystal with so many sites of each kind.
+fn require_composition(settings: &HardBodySettings, composition: &[usize]) -> Result<()> {
+    let (start, shapes, kinds) = (&settings.start, settings.shape.len(), composition.len());
+    if shapes != kinds {
+        bail!("{start} has sites for {kinds} shapes, and there are {shapes}; give {kinds} --shape");
+    }
+    let [sites, shares] = [
+        composition[0] as f64,
+        settings.share.first().copied().unwrap_or(1.0),
+    ];
+    let fits = |(share, count): (&f64, &usize)| {
+        let [share, count] = [share * sites, *count as f64 * shares];
+        (share - count).abs() <= SAME_SHARE * count
+    };
+    if !settings.share.iter().zip(composition).all(fits) {
+        let divisor = composition.iter().copied().fold(0, greatest_common_divisor);
+        let wanted: Vec<String> = composition
+            .iter()
+            .map(|count| format!("--share {}", count / divisor.max(1)))
+            .collect();
+        bail!(
+            "the sites of {start} have other shares; give {}, or leave --share out",
+            wanted.join(" ")
+        );
+    }
+    Ok(())
+}
+
+fn greatest_common_divisor(first: usize, second: usize) -> usize {
+    match second {
+        0 => first,
+        _ => greatest_common_divisor(second, first % second),
     }
 }
 
@@ -212,6 +275,43 @@ mod tests {
         };
         let one = Shapes::read(&unit).unwrap().mixture::<3>(&unit).unwrap();
         assert!((exact / one.kinds()[0].volume - sizes[0].powi(3)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn sites_of_a_crystal_have_their_kinds() {
+        let settings = HardBodySettings {
+            bodies: 64,
+            start: "nacl".into(),
+            ..settings(&["cube", "octahedron"])
+        };
+        let shapes = Shapes::read(&settings).unwrap();
+        let on = |name: &str, share: &[f64]| {
+            let settings = HardBodySettings {
+                share: share.to_vec(),
+                start: name.into(),
+                ..settings.clone()
+            };
+            shapes.mixture_on(&settings, &UnitCell::<3>::by_name(name).unwrap())
+        };
+        let cell = UnitCell::<3>::by_name("nacl").unwrap();
+        for share in [&[][..], &[2.0, 2.0]] {
+            let mixture = on("nacl", share).unwrap();
+            assert_eq!(mixture.kind_of(), cell.kinds_of_bodies(64));
+        }
+        let words = on("nacl", &[2.0, 1.0]).unwrap_err().to_string();
+        assert!(words.contains("give --share 1 --share 1"), "{words}");
+        // Sites that are alike are filled at random, as the shares say.
+        let mixture = on("fcc", &[3.0, 1.0]).unwrap();
+        let second = mixture.kind_of().iter().filter(|kind| **kind == 1);
+        assert_eq!(second.count(), 16);
+        assert_ne!(mixture.kind_of(), on("fcc", &[1.0, 1.0]).unwrap().kind_of());
+        let three = HardBodySettings {
+            shape: Words(["cube", "octahedron", "cube"].map(String::from).to_vec()),
+            ..settings.clone()
+        };
+        let words = Shapes::read(&three).unwrap().mixture_on(&three, &cell);
+        let words = words.unwrap_err().to_string();
+        assert!(words.contains("give 2 --shape"), "{words}");
     }
 
     #[test]

@@ -16,10 +16,9 @@ use super::settings::{Freedom, HardBodySettings};
 use super::start::{FLUID, cell_text, unit_cell};
 use super::trajectory::{frame, open_trajectory};
 use crate::given_state::is_state;
-use anyhow::{Context, Error, Result, bail};
+use anyhow::{Context, Error, Result};
 use protomer_common::cpu_time::Stopwatch;
 use protomer_common::output_file::write_once;
-use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::heights::Walls;
 use protomer_hpmc::mixture::Mixture;
@@ -156,8 +155,7 @@ impl<const D: usize> Prepared<D> {
             }
             false => {
                 let text = cell_text(&settings.start)?;
-                let start = start(settings, &kinds, text.as_deref())?;
-                let mixture = shape.mixture(settings)?;
+                let (start, mixture) = start(settings, shape, text.as_deref())?;
                 (start, mixture, shape.sha256(text.as_deref()))
             }
         };
@@ -321,7 +319,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
                 edge,
                 least,
                 // The engine names some number of bodies; a crystal needs whole cells of them.
-                bodies: crystal.fewest_bodies_from(bodies, &self.mixture.kinds()[0], least),
+                bodies: crystal.fewest_bodies_from(bodies, self.mixture.mean_volume(), least),
             },
             (error, _) => error,
         }
@@ -629,26 +627,21 @@ fn is_stopped(error: &Error) -> bool {
     )
 }
 
+/// The start of a run that is not a state, and the bodies in their order.
 fn start<const D: usize>(
     settings: &HardBodySettings,
-    kinds: &[HardBody<D>],
+    shapes: &Shapes,
     cell_text: Option<&str>,
-) -> Result<Start<D>> {
+) -> Result<(Start<D>, Mixture<D>)> {
     let (bodies, packing) = (settings.bodies, settings.packing_fraction);
     if settings.start != FLUID {
-        let body = match kinds {
-            [body] if settings.spread == 0.0 => body,
-            _ => bail!(
-                "bodies of several kinds start as a fluid or from a state; leave --start {} out",
-                settings.start
-            ),
-        };
         let cell = unit_cell(&settings.start, cell_text, &settings.turn)?;
-        let crystal = Crystal::among(&cell, body, &settings.depletants, bodies, packing)?;
+        let mixture = shapes.mixture_on(settings, &cell)?;
+        let crystal = Crystal::of_mixture(&cell, &mixture, &settings.depletants, packing)?;
         // What cannot be is refused before a directory is made.
         // Built once and thrown away: an impossible crystal is refused here.
-        crystal.system(body, &settings.depletants)?;
-        return Ok(Start::Crystal(crystal));
+        crystal.system_of(&mixture, &settings.depletants)?;
+        return Ok((Start::Crystal(crystal), mixture));
     }
     let edge_ratios = match settings.box_ratios.as_slice() {
         [] => [1.0; D],
@@ -657,12 +650,13 @@ fn start<const D: usize>(
             format!("there are {count} ratios of edges, and the box has {D} edges; give {D}")
         })?,
     };
-    Ok(Start::Fluid {
+    let fluid = Start::Fluid {
         bodies,
         packing_fraction: packing,
         edge_ratios,
         has_walls: settings.gravity.is_some(),
-    })
+    };
+    Ok((fluid, shapes.mixture(settings)?))
 }
 
 /// Densities by height.

@@ -4,7 +4,7 @@ use crate::shapes::{half_axes, read_shape};
 use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
 use protomer_hpmc::body::HardBody;
-use protomer_hpmc::crystal::{NAMES, Site, UnitCell};
+use protomer_hpmc::crystal::{NAMES, NAMES_OF_SEVERAL, Site, UnitCell};
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::shape::Shape;
@@ -18,9 +18,23 @@ use std::path::Path;
 /// assert_eq!(names_of_crystals(&[2, 1]), "square, hexagonal; row");
 /// ```
 pub fn names_of_crystals(dimensions: &[usize]) -> String {
-    let names = dimensions.iter().filter_map(|number| NAMES.get(number - 1));
+    lists(&NAMES, dimensions)
+}
+
+fn lists(names: &[&[&str]; 3], dimensions: &[usize]) -> String {
+    let names = dimensions.iter().filter_map(|number| names.get(number - 1));
     let lists: Vec<String> = names.map(|names| names.join(", ")).collect();
     lists.join("; ")
+}
+
+/// Names of the crystals of several shapes, as the help of a flag lists them.
+///
+/// ```
+/// use protomer_shape_verbs::hard_bodies::start::names_of_mixed_crystals;
+/// assert_eq!(names_of_mixed_crystals(&[2, 1]), "checkerboard; alternating");
+/// ```
+pub fn names_of_mixed_crystals(dimensions: &[usize]) -> String {
+    lists(&NAMES_OF_SEVERAL, dimensions)
 }
 
 /// The start that is no crystal.
@@ -222,6 +236,10 @@ enum CellLine<const D: usize> {
 
 /// `None` if the words do not make a line.
 fn cell_line<const D: usize>(words: &[&str]) -> Option<CellLine<D>> {
+    let (words, shape) = match words {
+        [words @ .., "shape", number] => (words, number.parse().ok().filter(|n| *n > 0)?),
+        words => (words, 1_u32),
+    };
     let (kind, numbers) = words.split_first()?;
     let finite = |word: &&str| word.parse().ok().filter(|number: &f64| number.is_finite());
     let numbers: Option<Vec<f64>> = numbers.iter().map(finite).collect();
@@ -229,6 +247,7 @@ fn cell_line<const D: usize>(words: &[&str]) -> Option<CellLine<D>> {
     let (components, further) = numbers.split_at_checked(D)?;
     let components: [f64; D] = components.try_into().ok()?;
     match (*kind, further) {
+        ("cell", _) if shape > 1 => None,
         ("cell", angles) if angles.is_empty() || angles.len() == D * (D - 1) / 2 => {
             Some(CellLine::Cell(components, angles.to_vec()))
         }
@@ -238,6 +257,7 @@ fn cell_line<const D: usize>(words: &[&str]) -> Option<CellLine<D>> {
                 [] => Rotation::identity(),
                 turn => rotation::<D>(turn)?,
             },
+            kind: shape - 1,
         })),
         _ => None,
     }
@@ -245,7 +265,8 @@ fn cell_line<const D: usize>(words: &[&str]) -> Option<CellLine<D>> {
 
 /// A unit cell: a line `cell` with its edges and, unless they are right, the angles between them (see
 /// [`PeriodicBox::with_angles`]), and a line `site` for each body, with its place in parts of the edges and,
-/// if it is turned, an angle in degrees (plane) or a quaternion (space).
+/// if it is turned, an angle in degrees (plane) or a quaternion (space). `shape` and a number from 1 at its end name the shape
+/// of the body; without them it is the first.
 fn parse_cell<const D: usize>(name: &str, text: &str) -> Result<UnitCell<D>> {
     let mut space = None;
     let mut sites = Vec::new();
@@ -288,7 +309,7 @@ fn what_to_write(dimensions: usize) -> String {
     };
     format!(
         "write 'cell' and {dimensions} edges once{angles}, and for each body 'site', {dimensions} parts of the \
-         edges and, if it is turned, its {turn}"
+         edges and, if it is turned, its {turn}; among several shapes, 'shape' and the number of its own at the end"
     )
 }
 
@@ -325,10 +346,16 @@ mod tests {
             "cell 1 1 1\natom 0 0 0",
             "cell 1 1 1\nsite nan 0 0",
             "cell 1 1 1\nsite 0 0 inf",
+            "cell 1 1 1\nsite 0 0 0 shape 0",
+            "cell 1 1 1\nsite 0 0 0 shape",
+            "site 0 0 0 shape 2\ncell 1 1 1 shape 2",
         ] {
             let words = format!("{:#}", parse_cell::<3>("file", text).unwrap_err());
             assert!(words.starts_with("file:2: "), "{words}");
         }
+        let mixed = "cell 1 1 1\nsite 0 0 0\nsite 0.5 0.5 0.5 1 0 0 1 shape 2";
+        let mixed = parse_cell::<3>("file", mixed).unwrap();
+        assert_eq!(mixed.composition(), [1, 1]);
         assert!(parse_cell::<2>("file", "site 0 0").is_err());
         assert!(parse_cell::<2>("file", "cell 1 1").is_err());
         assert!(unit_cell::<2>("square", None, &[45.0]).is_ok());

@@ -9,7 +9,7 @@ use protomer_shape_verbs::hard_bodies::potential_file::{read_field, read_potenti
 use protomer_shape_verbs::hard_bodies::settings::{
     Freedom, Gravity, HardBodySettings, Pressure, parse_depletants,
 };
-use protomer_shape_verbs::hard_bodies::start::{FLUID, names_of_crystals};
+use protomer_shape_verbs::hard_bodies::start::{FLUID, names_of_crystals, names_of_mixed_crystals};
 use std::path::PathBuf;
 
 /// Bodies, their box, and what is measured.
@@ -50,9 +50,10 @@ pub struct SystemArgs {
         default_value = FLUID,
         value_name = "CRYSTAL",
         help = format!(
-            "Initial arrangement of the bodies: {FLUID}, the name of a crystal ({}), the file of a unit cell, or a state: a GSD \
-             file of any program, or the directory of a run",
-            names_of_crystals(&[3, 2, 1])
+            "Initial arrangement of the bodies: {FLUID}, the name of a crystal ({}; with sites for two shapes {}), the file of a \
+             unit cell, or a state: a GSD file of any program, or the directory of a run",
+            names_of_crystals(&[3, 2, 1]),
+            names_of_mixed_crystals(&[3, 2, 1])
         )
     )]
     start: String,
