@@ -14,6 +14,7 @@
 //! | [`system`] | the bodies and their poses |
 //! | [`energy`] | the seam: a model keeps the pair energies and decides; the direct sum is one such model |
 //! | [`contributions`] | what each residue, and each pair of residues, contributes to the energy |
+//! | [`depletants`] | penetrable hard spheres that push bodies together, without being there |
 //! | [`desolvation`] | what charges lose where another body displaces solvent |
 //! | [`solvent_response`] | what the salt water that two bodies displace does to the field of each other |
 //! | [`hard`] | hard-body overlap, cheapest test first |
@@ -63,6 +64,7 @@ pub mod body_type;
 pub mod charges;
 pub mod checkpoint;
 pub mod contributions;
+pub mod depletants;
 pub mod desolvation;
 pub mod energy;
 mod error;
@@ -91,6 +93,7 @@ pub mod titratable;
 
 pub use body_type::BodyType;
 pub use checkpoint::Checkpoint;
+pub use depletants::Depletants;
 pub use error::{McError, Result};
 pub use exchange::Ladder;
 pub use observables::Observables;

@@ -1,6 +1,7 @@
 //! The settings of a simulation.
 
 use crate::Result;
+use crate::depletants::Depletants;
 use crate::energy::certified::Certified;
 use crate::energy::levels::Levels;
 use crate::energy::{DirectSum, EnergyModel, NoCharges};
@@ -113,6 +114,9 @@ pub struct Settings {
     /// ([`DirectSum::regulated`](crate::energy::DirectSum::regulated)).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub proton_moves_per_sweep: u32,
+    /// Penetrable hard spheres around the bodies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depletants: Option<Depletants>,
     /// Largest distance between the axis of a cluster move and the seed body, Å; `None` for the
     /// diameter of the largest body.
     pub cluster_axis_reach_angstrom: Option<f64>,
@@ -143,6 +147,7 @@ impl Settings {
             cluster_moves_per_sweep: 1,
             binding_moves_per_sweep: 0,
             proton_moves_per_sweep: 0,
+            depletants: None,
             cluster_axis_reach_angstrom: None,
             contact_gap_angstrom: DEFAULT_CONTACT_GAP_ANGSTROM,
         }
@@ -151,6 +156,9 @@ impl Settings {
     /// # Errors
     /// [`McError::BadSetting`](crate::McError::BadSetting) names the first setting out of range.
     pub(crate) fn check(&self) -> Result<()> {
+        if let Some(depletants) = &self.depletants {
+            depletants.check()?;
+        }
         let reach = self.cluster_axis_reach_angstrom.unwrap_or(1.0);
         let positive = |value: f64| value.is_finite() && value > 0.0;
         let fraction = (0.0..=1.0).contains(&self.rotation_fraction);

@@ -1,6 +1,7 @@
 //! The loop: sweeps of trial moves.
 
 use crate::checkpoint::{Checkpoint, type_names};
+use crate::depletants::{Depletion, Moved};
 use crate::energy::LevelReport;
 use crate::energy::{Effort, EnergyModel, PairEnergy, Pairs, compared_kt};
 use crate::hard::{HardBodies, overlapping_pairs};
@@ -77,6 +78,7 @@ pub struct Simulation {
     sweep: u64,
     energy: Box<dyn EnergyModel>,
     hard: HardBodies,
+    depletion: Option<Depletion>,
     neighbours: Neighbours,
     tuners: Vec<Tuner>,
     statistics: Statistics,
@@ -110,6 +112,7 @@ impl Simulation {
     ) -> Result<Self> {
         settings.check()?;
         let neighbours = neighbours(&system, energy.as_ref())?;
+        let depletion = depletion(&system, &settings)?;
         let pairs = overlapping_pairs(&system);
         if !pairs.is_empty() {
             return Err(McError::OverlappingStart { pairs });
@@ -127,6 +130,7 @@ impl Simulation {
             .collect();
         Ok(Self {
             hard: HardBodies::new(system.len()),
+            depletion,
             statistics: Statistics::new(system.types().len()),
             native_contacts: contacts(&system, settings.contact_gap_angstrom),
             near: Vec::new(),
@@ -172,6 +176,7 @@ impl Simulation {
             neighbours: neighbours(&system, energy.as_ref())?,
             // Empty: the memory of gaps saves time and never changes a decision.
             hard: HardBodies::new(system.len()),
+            depletion: depletion(&system, &checkpoint.settings)?,
             near: Vec::new(),
             settings: checkpoint.settings,
             seed: checkpoint.seed,
@@ -348,7 +353,7 @@ impl Simulation {
             &self.tuners[body_type].steps,
             &mut rng,
         );
-        let accepted = self.try_pose(body, proposed, budget_kt)?;
+        let accepted = self.try_pose(body, proposed, budget_kt, &mut rng)?;
         self.statistics.count(kind, body_type, accepted);
         // Steps are frozen afterwards: adapting for ever would break detailed balance.
         if self.sweep < self.settings.equilibration_sweeps {
@@ -357,9 +362,15 @@ impl Simulation {
         Ok(accepted)
     }
 
-    /// Moves the body if it overlaps nothing and the energy rises by less than the budget.
-    fn try_pose(&mut self, body: usize, pose: Pose, budget_kt: f64) -> Result<bool> {
-        // Cheapest first: the wall, then surfaces, then energies.
+    /// Moves the body if it overlaps nothing, no depletant forbids it and the energy rises by less than the budget.
+    fn try_pose(
+        &mut self,
+        body: usize,
+        pose: Pose,
+        budget_kt: f64,
+        rng: &mut CounterRng,
+    ) -> Result<bool> {
+        // Cheapest first: the wall, then surfaces, then depletants, then energies.
         if !self.system.boundary().contains(&pose.position) {
             return Ok(false);
         }
@@ -373,6 +384,14 @@ impl Simulation {
             .find_touching(&self.system, place, &mut self.near);
         self.near.retain(|partner| *partner != body);
         if self.hard.blocks(&trial, &self.near) {
+            return Ok(false);
+        }
+        let poses = [(body, trial.pose)];
+        let moved = Moved {
+            poses: &poses,
+            is_rigid: true,
+        };
+        if !depletants_allow(self.depletion.as_ref(), &self.system, &moved, rng) {
             return Ok(false);
         }
         let places = [&self.system.pose(body).position, place];
@@ -412,9 +431,17 @@ impl Simulation {
         let trial_pose =
             |body: &usize| (*body, self.system.tidy(turn.apply(self.system.pose(*body))));
         let poses: Vec<(usize, Pose)> = members.iter().map(trial_pose).collect();
+        self.statistics.cluster_moves += 1;
+        let moved = Moved {
+            poses: &poses,
+            is_rigid: true,
+        };
+        if !depletants_allow(self.depletion.as_ref(), &self.system, &moved, &mut rng) {
+            self.energy.reject();
+            return Ok(());
+        }
         self.move_bodies(&poses);
         self.energy.commit(&members);
-        self.statistics.cluster_moves += 1;
         self.statistics.cluster_bodies += members.len() as u64;
         Ok(())
     }
@@ -473,13 +500,18 @@ impl Simulation {
         match proposal.poses[..] {
             // One body: the model's own decision with all
             // its levels. Several: energies from scratch.
-            [(body, pose)] => self.try_pose(body, pose, budget_kt),
-            _ => self.try_poses(&proposal, budget_kt),
+            [(body, pose)] => self.try_pose(body, pose, budget_kt, rng),
+            _ => self.try_poses(&proposal, budget_kt, rng),
         }
     }
 
-    /// Moves several bodies if they overlap nothing and the energy rises by less than the budget.
-    fn try_poses(&mut self, proposal: &Proposal, budget_kt: f64) -> Result<bool> {
+    /// Moves several bodies if they overlap nothing, no depletant forbids it and the energy rises by less than the budget.
+    fn try_poses(
+        &mut self,
+        proposal: &Proposal,
+        budget_kt: f64,
+        rng: &mut CounterRng,
+    ) -> Result<bool> {
         let poses = &proposal.poses;
         let boundary = self.system.boundary();
         if poses
@@ -491,6 +523,13 @@ impl Simulation {
         let new = self.system.with_moved(poses);
         let bodies: Vec<usize> = poses.iter().map(|(body, _)| *body).collect();
         if self.overlap_of_moved(&new, &bodies, proposal.is_rigid) {
+            return Ok(false);
+        }
+        let moved = Moved {
+            poses,
+            is_rigid: proposal.is_rigid,
+        };
+        if !depletants_allow(self.depletion.as_ref(), &self.system, &moved, rng) {
             return Ok(false);
         }
         let rise_kt = |effort| -> Result<f64> {
@@ -642,6 +681,24 @@ impl Simulation {
     pub fn pair_energies(&self) -> Vec<PairEnergy> {
         self.energy.pairs(&self.system)
     }
+}
+
+/// The depletants of the settings around these bodies.
+fn depletion(system: &System, settings: &Settings) -> Result<Option<Depletion>> {
+    let depletants = settings.depletants.as_ref();
+    depletants
+        .map(|depletants| Depletion::new(depletants, system))
+        .transpose()
+}
+
+/// Whether no depletant forbids a move; none are there without depletants.
+fn depletants_allow(
+    depletion: Option<&Depletion>,
+    system: &System,
+    moved: &Moved<'_>,
+    rng: &mut CounterRng,
+) -> bool {
+    depletion.is_none_or(|depletion| depletion.allows(system, moved, rng))
 }
 
 /// Checks that the box is large enough: no body may touch two images of another, and the energy

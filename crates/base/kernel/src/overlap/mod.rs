@@ -12,6 +12,7 @@
 //! | `shape` | a body prepared for overlap tests |
 //! | `traversal` | simultaneous descent of two trees: what discs cannot separate, triangles decide |
 //! | `proximity` | simultaneous descent that asks whether surfaces come nearer than a distance |
+//! | `point` | whether a point is within a distance of a solid |
 //! | `triangle` | exact intersection of two triangles |
 //! | `triangle_distance` | how far two triangles are apart |
 //! | `containment` | which points lie inside a solid |
@@ -64,6 +65,7 @@ mod containment;
 mod disc;
 mod embedding;
 mod lanes;
+mod point;
 mod proximity;
 mod shape;
 mod traversal;

@@ -416,6 +416,11 @@ impl Engine {
         if !pairs.is_empty() {
             return Err(McError::OverlappingStart { pairs }.into());
         }
+        if let Some(depletants) = run.depletants()? {
+            depletants
+                .require_room(&system)
+                .context("the box does not suit the depletants")?;
+        }
         if run.proton_moves_per_sweep > 0 {
             for interaction in interactions {
                 titratable::groups_of_bodies(&self.assembly.bodies, interaction)?;
@@ -464,6 +469,7 @@ impl Engine {
             cluster_moves_per_sweep: run.cluster_moves_per_sweep,
             binding_moves_per_sweep: run.binding_moves_per_sweep,
             proton_moves_per_sweep: run.proton_moves_per_sweep,
+            depletants: run.depletants()?,
             contact_gap_angstrom: run.contact_gap_angstrom,
             ..Settings::new(interaction)
         })

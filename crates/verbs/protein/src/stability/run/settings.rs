@@ -7,9 +7,10 @@ use crate::stability::model::name_of_terms;
 use crate::stability::terms::{FurtherTerms, StatedTerms};
 use anyhow::{Result, bail};
 use protomer_body::Body;
-use protomer_common::range::{self, CONTACT_GAP, Count, STEPS, TOLERANCE};
+use protomer_common::range::{self, CONTACT_GAP, Count, Range, STEPS, TOLERANCE};
 use protomer_common::settings::{Declared, is_default};
 use protomer_kernel::setting::Choices;
+use protomer_mc::Depletants;
 use protomer_results::Settings;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,10 @@ const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
 const SIMULATIONS: Count = Count::new(1, LARGEST_NUMBER_OF_SIMULATIONS);
 /// Range of the number of moves of one kind per sweep: runs stop between sweeps only.
 const MOVES_PER_SWEEP: Count = Count::new(0, 100_000);
+/// Range of the radius of depletants: with smaller ones a sweep would draw more points than anybody waits for.
+const DEPLETANT_RADIUS: Range = Range::new(0.1, 1e4, "Å");
+/// Range of the part of the reservoir that depletants fill.
+const DEPLETANT_FRACTION: Range = Range::new(0.0, 10.0, "");
 
 protomer_common::settings! {
     /// Settings of a simulation or of each simulation of a sweep. They contain everything that can
@@ -57,6 +62,12 @@ protomer_common::settings! {
         /// Moves per sweep in which groups of one body take up or lose protons, at the pH of the bodies, which have their
         /// groups (ingest --titratable); 0 for fixed charges.
         proton_moves_per_sweep: u32, in MOVES_PER_SWEEP, flag "proton-moves", omit "is_default";
+        /// Radius of depletants, Å: penetrable hard spheres, such as coils of a polymer, in equilibrium with a reservoir.
+        depletant_radius_angstrom: Option<f64>, in DEPLETANT_RADIUS, otherwise "no depletants", flag "depletant-radius",
+            value "ANGSTROM", omit "is_default";
+        /// Part of the reservoir that the depletants fill.
+        depletant_fraction: Option<f64>, in DEPLETANT_FRACTION, otherwise "no depletants", value "FRACTION",
+            omit "is_default";
         /// Sweeps between two exchanges of states between neighbouring salt concentrations; 0 for
         /// none.
         exchange_every: u64, in STEPS, value "SWEEPS", omit "is_default", from sweep;
@@ -263,6 +274,12 @@ impl RunSettings {
             let name = scale.name();
             attractions.push(format!("contacts between residues ({name} x {strength})"));
         }
+        if self
+            .depletant_fraction
+            .is_some_and(|fraction| fraction > 0.0)
+        {
+            attractions.push("depletants".to_owned());
+        }
         if attractions.is_empty() {
             return "nothing attracts in this model: that hard bodies come apart says nothing of a \
                     complex"
@@ -390,11 +407,32 @@ impl RunSettings {
             );
         }
         self.tolerance_of_energy_kt()?;
+        self.depletants()?;
         self.check_state()?;
         self.check_equilibration()?;
         self.check_terms()?;
         self.check_proton_moves()?;
         self.check_interaction()
+    }
+
+    /// The depletants; `None` without.
+    ///
+    /// # Errors
+    /// If one of their two numbers is missing.
+    pub fn depletants(&self) -> Result<Option<Depletants>> {
+        match (self.depletant_radius_angstrom, self.depletant_fraction) {
+            (None, None) => Ok(None),
+            (Some(radius_angstrom), Some(reservoir_fraction)) => Ok(Some(Depletants {
+                radius_angstrom,
+                reservoir_fraction,
+            })),
+            (Some(_), None) => bail!(
+                "depletants need the part of the reservoir that they fill; add --depletant-fraction, such as 0.1"
+            ),
+            (None, Some(_)) => {
+                bail!("depletants need a radius; add --depletant-radius, such as 20, in Å")
+            }
+        }
     }
 
     fn check_state(&self) -> Result<()> {

@@ -41,6 +41,15 @@ pub fn section(
             settings.binding_moves_per_sweep.to_string(),
         ));
     }
+    if let Some(depletants) = settings.depletants()? {
+        rows.push((
+            "depletants",
+            format!(
+                "radius {} Å, {} of the reservoir",
+                depletants.radius_angstrom, depletants.reservoir_fraction
+            ),
+        ));
+    }
     if settings.proton_moves_per_sweep > 0 {
         rows.push((
             "moves of protons per sweep",
