@@ -1,8 +1,8 @@
 """Wells at the faces of truncated tetrahedra: rounding and dents make them shallower, depletants deeper.
 
-    python tests/validation/tetrahedra_wells.py PROTOMER OUTPUT SWEEPS [rounding|dense-rounding|depletants|dents]
+    python tests/validation/tetrahedra_wells.py PROTOMER OUTPUT SWEEPS [rounding|dense-rounding|depletants|dents|published]
 
-Fluids: for each rounding at packing fractions of 0.5 and 0.55, for each depth of dents in the hexagons at 0.5, and for each reservoir of
+Fluids: for each rounding at packing fractions of 0.5 and 0.55, for each depth of dents in the hexagons at 0.5, for the published truncations and curvatures and for flat bodies with these truncations at 0.5, and for each reservoir of
 depletants of size ratio 0.1 at 0.3, the potential of mean force in the frame of a body, and its least values towards the four
 hexagons and the four triangles, with the standard error from four parts of the run. Prints the tables of
 docs/validation/hard-shapes-campaign.md. Needs `pip install protomer[dynamics]`. Runs that have been done are not done again.
@@ -26,6 +26,11 @@ DENSE_ROUNDINGS = [0.0, 0.05, 0.1]
 SIZE_RATIO = 0.1
 RESERVOIRS = [0.0, 0.05, 0.1, 0.2]
 DENTS = [0.0, 0.025, 0.05, 0.1]
+# Truncation, and curvature of the hexagons per nm, positive where they are pressed in; and without the curvature.
+PUBLISHED = ["0.68 concave", "0.68 flat", "0.52 convex", "0.52 flat"]
+CURVATURES = {"concave": 3.2e-4, "flat": 0.0, "convex": -8.1e-4}
+# Edge of the tetrahedron before its corners are cut off, nm: of the volume of droplets of 1000 nm, half of the satellites of 2000 nm.
+EDGE = 1700.0
 REACH = 1.0
 BINS = 61
 PARTS = 4
@@ -57,22 +62,56 @@ def among_depletants(reservoir: float, _: Path) -> list[object]:
 def dented(depth: float, output: Path) -> list[object]:
     """The middle of each hexagon is pressed in by a depth, in circumradii, so that the body is concave."""
     output.mkdir(parents=True, exist_ok=True)
+    pieces = pieces_of_dented(depth * CIRCUMRADIUS) if depth else []
+    shape = saved(pieces, output / f"dents_{depth}") if depth else SHAPE
+    # A few more, since they are smaller: the box must hold the reach in all directions.
+    return ["--shape", shape, "--bodies", 250, "--packing-fraction", 0.5]
+
+
+def published(kind: str, output: Path) -> list[object]:
+    """The published truncations and curvatures: the middle of a hexagon is where a sphere through its corners has it."""
+    truncation, curvature = float(kind.split()[0]), CURVATURES[kind.split()[1]] * EDGE
+    corner = np.linalg.norm(cut_corners(truncation)[0, 1] - middles()[3])
+    depth = corner**2 * curvature / 2
+    if depth > 0:
+        pieces = pieces_of_dented(depth, truncation)
+    else:
+        pulled = middles() * (1 - depth / np.linalg.norm(middles()[0]))
+        pieces = [np.array([*cut_corners(truncation).values(), *pulled])]
+    output.mkdir(parents=True, exist_ok=True)
+    return ["--shape", saved(pieces, output / kind.replace(" ", "_")), "--bodies", 250, "--packing-fraction", 0.5]
+
+
+def saved(pieces: list[np.ndarray], name: Path) -> str:
+    """Convex pieces as files, and their names as one shape."""
     files = []
-    for number, corners in enumerate(pieces_of_dented(depth * CIRCUMRADIUS)):
-        file = output / f"dents_{depth}_piece_{number}.txt"
+    for number, corners in enumerate(pieces):
+        file = name.with_name(f"{name.name}_piece_{number}.txt")
         np.savetxt(file, corners, fmt="%.16g")
         files.append(str(file))
-    # A few more, since they are smaller: the box must hold the reach in all directions.
-    return ["--shape", "+".join(files) if depth else SHAPE, "--bodies", 250, "--packing-fraction", 0.5]
+    return "+".join(files)
 
 
-def pieces_of_dented(depth: float) -> list[np.ndarray]:
+def tetrahedron() -> np.ndarray:
+    return np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / 8**0.5
+
+
+def middles() -> np.ndarray:
+    """The middle of each hexagon, opposite to a corner of the tetrahedron."""
+    return np.array([-corner / np.linalg.norm(corner) / 24**0.5 for corner in tetrahedron()])
+
+
+def cut_corners(truncation: float) -> dict[tuple[int, int], np.ndarray]:
+    """Corners of the triangles, whose edges are half of the truncation."""
+    corners, part = tetrahedron(), truncation / 2
+    return {(i, j): (1 - part) * corners[i] + part * corners[j] for i in range(4) for j in range(4) if i != j}
+
+
+def pieces_of_dented(depth: float, truncation: float = 2 / 3) -> list[np.ndarray]:
     """Eleven convex pieces: the tetrahedron between the four dents, what lies between its faces and the triangles, and what
     lies between its edges and those of two hexagons."""
-    corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / 8**0.5
-    # The middle of a hexagon is opposite to a corner of the tetrahedron.
-    dents = np.array([-corner / np.linalg.norm(corner) * (1 / 24**0.5 - depth) for corner in corners])
-    cut = {(i, j): (2 * corners[i] + corners[j]) / 3 for i in range(4) for j in range(4) if i != j}
+    dents = middles() * (1 - depth / np.linalg.norm(middles()[0]))
+    cut = cut_corners(truncation)
     pieces = [dents]
     for i in range(4):
         others = [j for j in range(4) if j != i]
@@ -86,6 +125,7 @@ LADDERS = {
     "dense-rounding": ("rounding / circumradius", DENSE_ROUNDINGS, dense_and_rounded),
     "depletants": ("reservoir", RESERVOIRS, among_depletants),
     "dents": ("depth of the dents / circumradius", DENTS, dented),
+    "published": ("truncation and hexagons", PUBLISHED, published),
 }
 
 
@@ -109,6 +149,11 @@ def directions_of_faces(structure: Structure) -> dict[str, np.ndarray]:
     return {"hexagons": -triangles, "triangles": triangles}
 
 
+def directions_of_pieces() -> dict[str, np.ndarray]:
+    """Directions of the hexagons and of the triangles of the bodies made of pieces."""
+    return {"hexagons": middles() * 24**0.5, "triangles": tetrahedron() / np.linalg.norm(tetrahedron()[0])}
+
+
 def parts_of(structure: Structure) -> list[Structure]:
     frames = np.array_split(np.arange(len(structure.positions)), PARTS)
     return [
@@ -130,10 +175,11 @@ def main() -> None:
         heading, steps, condition = LADDERS[name]
         print(f"\n| {heading} | frames | hexagons, kT at distance | triangles, kT at distance |\n|---|---|---|---|")
         for step in steps:
-            directory = run(protomer, output / f"{name}_{step}", condition(step, output), sweeps)
+            directory = run(protomer, output / f"{name}_{step}".replace(" ", "_"), condition(step, output), sweeps)
             structure = Structure.read(directory, skip=EQUILIBRATION // EVERY + 1)
             whole, *parts = (each.mean_force(REACH, BINS) for each in [structure, *parts_of(structure)])
-            faces = directions_of_faces(structure)
+            # Middles that are pulled out are corners, too, so the faces of these are not found by their corners.
+            faces = directions_of_pieces() if name == "published" else directions_of_faces(structure)
             wells = [well(whole, parts, faces[kind]) for kind in ("hexagons", "triangles")]
             print(f"| {step} | {len(structure.positions)} | {wells[0]} | {wells[1]} |", flush=True)
 
