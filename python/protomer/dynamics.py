@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _displacements
+from . import _displacements, _turns
 from ._errors import unknown
 from ._frames import read_frames, vertices_of
 from ._chart import new_axes
@@ -177,6 +177,57 @@ class Motion:
         legendre = np.polynomial.Legendre.basis(degree)
         return self._at_lags(lambda lag: np.mean(legendre(np.sum(axes[lag:] * axes[:-lag], axis=-1))))
 
+    def turning_in_space(self) -> tuple[Numbers, Numbers]:
+        """Mean squared turn of bodies in space, through full turns.
+
+        It is 6 D t for isotropic Brownian rotation and ω² t² for free rotation about a principal axis. The turns from frame to frame are rotation vectors, which are added up; so bodies must turn by less than π between frames.
+        """
+        turns = _turns.followed(self._orientations())
+        picked = self._picked()
+        values = [float(np.mean(np.sum((turns[lag:] - turns[: len(turns) - lag]) ** 2, axis=-1))) for lag in picked]
+        return self.lags()[picked], np.array(values)
+
+    def displacement_in_frame(self) -> tuple[Numbers, Numbers]:
+        """⟨Δr Δrᵀ⟩ in the frame that each body had before: lags, (L,), and matrices, (L, d, d).
+
+        The sum of the diagonal is the mean squared displacement. A body that diffuses faster along an axis has 2 D t of that axis at
+        first, and a third (in a plane a half) of the displacement in each direction when it has forgotten its orientation.
+        """
+        frames, track = self._frames(), self._track()
+        picked = self._picked()
+        moved = (_turns.in_frames(frames, track, int(lag)) for lag in picked)
+        return self.lags()[picked], np.array([_turns.mean_product(one, one) for one in moved])
+
+    def displacement_with_turn(self) -> tuple[Numbers, Numbers]:
+        """⟨Δr Δφᵀ⟩ of displacements and turns in the frame that each body had before: lags, (L,), and matrices, (L, 3, 3).
+
+        Rows are those of the displacement. A body that moves along its axis as it turns about it, like a screw, has its pitch
+        times the mean squared turn there; bodies with planes of symmetry have nothing along the axes of these. In a plane there is
+        one turn, and a column, (L, 2, 1).
+        """
+        frames, track, turns = self._frames(), self._track(), self._turned()
+        picked = self._picked()
+        found = []
+        for lag in picked:
+            # In a plane a turn is the same in all frames.
+            change = turns[lag:] - turns[: len(turns) - lag] if turns.shape[2] == 1 else _turns.in_frames(frames, turns, int(lag))
+            found.append(_turns.mean_product(_turns.in_frames(frames, track, int(lag)), change))
+        return self.lags()[picked], np.array(found)
+
+    def coupling(self) -> tuple[Numbers, Numbers]:
+        """⟨Δr² Δφ²⟩/(⟨Δr²⟩⟨Δφ²⟩) - 1 of displacements and turns.
+
+        It is 0 where they are independent, as in free flight, above 0 where bodies that move far also turn far, and below 0 where
+        a turn costs a displacement. The first lag is one frame.
+        """
+        track, turns = self._track(), self._turned()
+        picked = self._picked()[1:]
+        values = [
+            _turns.correlation_of_squares(track[lag:] - track[: len(track) - lag], turns[lag:] - turns[: len(turns) - lag])
+            for lag in picked
+        ]
+        return self.lags()[picked], np.array(values)
+
     def non_gaussian(self) -> tuple[Numbers, Numbers]:
         """α₂ = d⟨r⁴⟩/((d + 2)⟨r²⟩²) - 1 of the displacements: 0 for free flight and for diffusion, above it where bodies differ.
 
@@ -272,6 +323,18 @@ class Motion:
         if self.orientations is None:
             raise ValueError("this motion has no orientations; give quaternions, (F, N, 4)")
         return self.orientations
+
+    def _turned(self) -> Numbers:
+        """Turns since the first frame, through full turns, (F, N, 3); in a plane (F, N, 1)."""
+        return _turns.followed(self._orientations()) if self.angles_rad is None else self.angles_rad[..., None]
+
+    def _frames(self) -> Numbers:
+        """Rotations from the frames of the bodies to that of the box, (F, N, d, d)."""
+        return _turns.matrices(self._orientations()) if self.angles_rad is None else _turns.angle_matrices(self.angles_rad)
+
+    def _picked(self) -> NDArray[np.int64]:
+        """0, and numbers of frames that are evenly spaced in their logarithm."""
+        return np.concatenate([np.zeros(1, dtype=np.int64), _spaced(len(self.times) - 1, 60)])
 
     def _track(self) -> Numbers:
         """Places without the drift of the centre of mass, (F, N, d)."""
@@ -370,6 +433,8 @@ _CURVES = {
     "orientation_in_space": "C_l(t) of orientations",
     "non_gaussian": "non-Gaussian parameter",
     "non_gaussian_turning": "non-Gaussian parameter of angles",
+    "turning_in_space": "mean squared turn (rad²)",
+    "coupling": "⟨Δr²Δφ²⟩/(⟨Δr²⟩⟨Δφ²⟩) - 1",
     "velocity": "⟨v(0)·v(t)⟩/⟨v²⟩",
     "spinning": "⟨L(0)·L(t)⟩/⟨L²⟩",
 }
@@ -403,7 +468,7 @@ class Seeds:
         ----------
         quantity
             `displacement`, `slope`, `turning`, `orientation`, `orientation_in_space`, `non_gaussian`, `non_gaussian_turning`,
-            `velocity`, `spinning`, or a function of a motion that gives lags and values
+            `turning_in_space`, `coupling`, `velocity`, `spinning`, or a function of a motion that gives lags and values
 
         Examples
         --------
@@ -430,6 +495,10 @@ class Seeds:
                 return motion.non_gaussian()
             case "non_gaussian_turning":
                 return motion.non_gaussian_turning()
+            case "turning_in_space":
+                return motion.turning_in_space()
+            case "coupling":
+                return motion.coupling()
             case "velocity":
                 return motion.velocity()
             case "spinning":
@@ -473,7 +542,7 @@ class Seeds:
             t, mean, error = t[1:], mean[1:], error[1:]
         ax.errorbar(t, mean, yerr=None if np.isnan(error).all() else error, linewidth=1)
         ax.set_xscale("log")
-        if quantity in ("displacement", "turning"):
+        if quantity in ("displacement", "turning", "turning_in_space"):
             ax.set_yscale("log")
         ax.set_xlabel("time")
         ax.set_ylabel(_CURVES[quantity])

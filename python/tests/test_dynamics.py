@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import protomer as pm
+from protomer import _turns
 from protomer.dynamics import Motion, Seeds, free_flight_displacement, local_slope, relaxation_time
 
 freud = pytest.importorskip("freud")
@@ -194,6 +195,107 @@ def test_a_rotation_of_the_symmetry_is_not_seen() -> None:
     assert turned.axis([1, 0, 0], 2)[1][1] == pytest.approx(-0.5)
     assert turned.axis([0, 0, 2], 1)[1][1] == pytest.approx(1.0)
     assert turned.axis([1, 0, 1], 1)[1][1] == pytest.approx(0.5)
+
+
+def tumbling(seed: int, frames: int, count: int, *, diffusion: np.ndarray, turning: float, pitch: float = 0.0) -> Motion:
+    """Brownian motion with D along each axis of the bodies and D_r about all of them, per frame; a screw along z has a pitch."""
+    rng = np.random.default_rng(seed)
+    turns = rng.normal(size=(frames - 1, count, 3)) * np.sqrt(2.0 * turning)
+    tumble = turning_in_space(turns, anywhere(rng, count))
+    steps = rng.normal(size=(frames - 1, count, 3)) * np.sqrt(2.0 * diffusion)
+    steps[..., 2] += pitch * turns[..., 2]
+    in_box = np.einsum("fnab,fnb->fna", _turns.matrices(tumble.orientations[:-1]), steps)
+    places = np.concatenate([np.zeros((1, count, 3)), in_box.cumsum(axis=0)])
+    return motion(
+        np.arange(frames) * 1.0, places, angles_rad=None, box=np.full(3, 10.0), orientations=tumble.orientations
+    )
+
+
+def test_free_flight_moves_and_turns_as_it_began() -> None:
+    """A velocity v and a spin ω about an axis u that stays: R(0)ᵀv t, a turn ω t through any number of full turns."""
+    velocity, axis, rate = np.array([0.3, -0.2, 0.5]), np.array([2.0, 1.0, -2.0]) / 3.0, 4.0
+    times = np.linspace(0.0, 5.0, 101)
+    # A second body with everything turned round keeps the centre of mass where it is.
+    places = times[:, None, None] * np.array([velocity, -velocity])
+    turns = quaternions(np.broadcast_to(axis, (101, 3)), rate * times)
+    flight = motion(times, places, angles_rad=None, box=np.full(3, 10.0), orientations=np.stack([turns, turns], axis=1))
+    t, turned = flight.turning_in_space()
+    np.testing.assert_allclose(turned, (rate * t) ** 2, rtol=1e-9, atol=1e-12)
+    assert turned[-1] > 300.0
+    # The velocity in the frame of the body, averaged over the orientations at the origins of this lag.
+    t, moved = flight.displacement_in_frame()
+    frames = _turns.matrices(turns)
+    for lag, found in zip(np.round(t / 0.05).astype(int), moved, strict=True):
+        own = np.einsum("fba,b->fa", frames[: 101 - lag], velocity) * 0.05 * lag
+        np.testing.assert_allclose(found, np.einsum("fa,fb->ab", own, own) / len(own), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(np.trace(moved, axis1=1, axis2=2), t**2 * (velocity @ velocity), rtol=1e-9, atol=1e-12)
+    # One of the bodies moves against the other and turns with it, so that products of displacements and turns cancel ...
+    assert np.abs(flight.displacement_with_turn()[1]).max() < 1e-9
+    # ... and those of squares are the product of the squares.
+    np.testing.assert_allclose(flight.coupling()[1], 0.0, atol=1e-9)
+
+
+def test_an_anisotropic_body_diffuses_along_its_axes_until_it_has_turned() -> None:
+    """⟨Δz²⟩ = 2 D_⊥ t + 2 (D_∥ - D_⊥)(t/3 + (1 - exp(-6 D_r t))/(9 D_r)) in the frame at the start (Perrin)."""
+    across, along, turning = 0.01, 0.05, 0.004
+    walk = tumbling(21, 200, 3000, diffusion=np.array([across, across, along]), turning=turning)
+    t, found = walk.displacement_in_frame()
+    left = (1.0 - np.exp(-6.0 * turning * t)) / (9.0 * turning)
+    extra = 2.0 * (along - across)
+    parallel = 2.0 * across * t + extra * (t / 3.0 + left)
+    perpendicular = 2.0 * across * t + extra * (t / 3.0 - 0.5 * left)
+    # 3000 bodies, at long lags a few independent origins: 4 %.
+    short = t <= 100.0
+    np.testing.assert_allclose(found[short, 2, 2], parallel[short], rtol=0.04)
+    for axis in (0, 1):
+        np.testing.assert_allclose(found[short, axis, axis], perpendicular[short], rtol=0.04)
+    assert found[1, 2, 2] / found[1, 0, 0] == pytest.approx(5.0, rel=0.03)
+    assert np.abs(found[short][:, 0, 1] / t[short].clip(1.0)).max() < 0.002
+    assert walk.turning_in_space()[1][short][1:] / t[short][1:] == pytest.approx(6.0 * turning, rel=0.03)
+    # Displacements and turns of one step are independent, but the far ones are along an axis that has not turned.
+    assert abs(walk.coupling()[1][0]) < 0.01
+
+
+def test_a_screw_moves_as_it_turns() -> None:
+    pitch, turning = 0.5, 0.002
+    walk = tumbling(22, 60, 4000, diffusion=np.full(3, 1e-4), turning=turning, pitch=pitch)
+    t, found = walk.displacement_with_turn()
+    assert found[1, 2, 2] == pytest.approx(pitch * 2.0 * turning, rel=0.02)
+    rest = found[1].copy()
+    rest[2, 2] = 0.0
+    assert np.abs(rest).max() < 0.02 * found[1, 2, 2]
+    # The displacement is pitch times one of three turns, ⟨x²(x² + y² + z²)⟩ = 5 of 3 with independent squares: 2/3 of its share.
+    share = pitch**2 * 2.0 * turning / (pitch**2 * 2.0 * turning + 6e-4)
+    assert walk.coupling()[1][0] == pytest.approx(2.0 / 3.0 * share, rel=0.05)
+    other = tumbling(22, 60, 4000, diffusion=np.full(3, 1e-4), turning=turning, pitch=-pitch)
+    assert other.displacement_with_turn()[1][1, 2, 2] == pytest.approx(-pitch * 2.0 * turning, rel=0.02)
+
+
+def test_polygons_move_in_their_own_frames() -> None:
+    """Bodies that fly along their first axis, and a turn that costs a displacement."""
+    rng = np.random.default_rng(23)
+    angles = rng.uniform(0.0, 2.0 * np.pi, size=4000)
+    way = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(4000)])
+    times = np.arange(3.0)
+    turn = np.where(np.arange(4000) % 2 == 0, 0.0, 1.0)
+    flight = motion(
+        times, times[:, None, None] * (1.0 - turn)[:, None] * way, angles_rad=angles + times[:, None] * turn
+    )
+    t, moved = flight.displacement_in_frame()
+    assert moved.shape == (3, 2, 2)
+    assert moved[2, 0, 0] == pytest.approx(2.0, rel=0.02) and moved[2, 1, 1] < 0.01
+    assert flight.displacement_with_turn()[1].shape == (3, 2, 1)
+    assert flight.coupling()[1] == pytest.approx([-1.0, -1.0], abs=0.01)
+
+
+def test_turns_are_followed_beyond_half_a_turn() -> None:
+    axis = np.array([0.0, 0.6, 0.8])
+    for angle in (0.0, 1e-9, 0.5, 3.0, 3.5):
+        vector = _turns.rotation_vectors(quaternions(axis, np.array(angle)))
+        shorter = angle if angle <= np.pi else angle - 2.0 * np.pi
+        np.testing.assert_allclose(vector, shorter * axis, atol=1e-12)
+    with pytest.raises(ValueError, match="turn by an angle"):
+        motion(np.arange(3.0), np.zeros((3, 5, 3))).turning_in_space()
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
