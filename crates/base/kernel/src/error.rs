@@ -77,6 +77,14 @@ pub enum KernelError {
     /// Points through which no curve can be drawn.
     #[error("{0}")]
     BadTable(String),
+    /// An energy without a force that bodies in motion could follow.
+    #[error("{reason}, and bodies in motion need a force; {remedy}")]
+    NoForce {
+        /// The term, and where its energy is not smooth.
+        reason: &'static str,
+        /// Remedy.
+        remedy: &'static str,
+    },
     /// A periodic box in which a body would meet two images of another.
     #[error(
         "interactions reach {range_angstrom:.2} Å, so every box length must be at least {:.2} Å; \

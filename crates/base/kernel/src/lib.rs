@@ -21,6 +21,8 @@
 //! | [`chebyshev`] | polynomials through Chebyshev points |
 //! | [`jet`] | numbers that carry their first and second derivatives |
 //! | [`potential`] | radial pair potentials |
+//! | [`pair_energy`] | energies of pairs of rigid bodies from terms in a file, with forces where they have them |
+//! | [`height_energy`] | the energy of a body by its height, from a table |
 //! | [`cells`] | which bodies are near a point |
 //! | [`overlap`] | whether two rigid bodies overlap, and how far apart they are if not |
 //! | [`shape`] | convex shapes, and what is known of them exactly |
@@ -40,11 +42,13 @@ pub mod electrolyte;
 mod error;
 pub mod exponential;
 pub mod fused;
+pub mod height_energy;
 pub mod jet;
 pub mod mesh;
 pub mod name;
 pub mod null;
 pub mod overlap;
+pub mod pair_energy;
 pub mod periodic_box;
 pub mod plain_text;
 pub mod point_record;

@@ -13,13 +13,18 @@ pub enum Ends {
     Straight,
     /// Cubics through three points at each end, which go on beyond it (not a knot): exact for cubic functions.
     Cubic,
+    /// No slope at the ends, and constant beyond them.
+    Level,
+    /// No curvature at the first point and a straight line before it; no slope at the last point and constant after it.
+    LevelAtLast,
 }
 
 impl Ends {
     /// Smallest number of points; fewer leave the ends undetermined.
     const fn fewest_points(self) -> usize {
         match self {
-            Ends::Straight => 2,
+            Ends::Straight | Ends::LevelAtLast => 2,
+            Ends::Level => 3,
             Ends::Cubic => 4,
         }
     }
@@ -85,11 +90,19 @@ impl Spline {
     pub fn evaluate(&self, x: f64) -> [f64; 3] {
         let [first, last] = self.range();
         let end = x.clamp(first, last);
-        if self.ends == Ends::Straight && x != end {
-            let [value, slope, _] = self.inside(end);
-            return [value + slope * (x - end), slope, 0.0];
+        if self.ends == Ends::Cubic || x == end {
+            return self.inside(x);
         }
-        self.inside(x)
+        let [value, slope, _] = self.inside(end);
+        let is_level = match self.ends {
+            Ends::Level => true,
+            Ends::LevelAtLast => x > last,
+            Ends::Straight | Ends::Cubic => false,
+        };
+        match is_level {
+            true => [value, 0.0, 0.0],
+            false => [value + slope * (x - end), slope, 0.0],
+        }
     }
 
     fn inside(&self, x: f64) -> [f64; 3] {
@@ -182,7 +195,16 @@ fn curvatures(x: &[f64], y: &[f64], ends: Ends) -> Vec<f64> {
             middle += after * (1.0 + ratio);
             before -= after * ratio;
         }
-        let bend = 6.0 * ((y[i + 1] - y[i]) / h[i] - (y[i] - y[i - 1]) / h[i - 1]);
+        let mut bend = 6.0 * ((y[i + 1] - y[i]) / h[i] - (y[i] - y[i - 1]) / h[i - 1]);
+        // A level end has a curvature that follows from that of the point beside it, which takes it out of the row.
+        if ends == Ends::Level && i == 1 {
+            middle -= 0.5 * before;
+            bend -= before * level_bend(y[1] - y[0], h[0]);
+        }
+        if matches!(ends, Ends::Level | Ends::LevelAtLast) && i == last - 1 {
+            middle -= 0.5 * after;
+            bend -= after * level_bend(y[last - 1] - y[last], h[last - 1]);
+        }
         // Elimination downwards; nothing comes from the ends, whose curvature is zero so far.
         let pivot = middle - before * above[i - 1];
         above[i] = after / pivot;
@@ -196,7 +218,19 @@ fn curvatures(x: &[f64], y: &[f64], ends: Ends) -> Vec<f64> {
         curvature[0] = curvature[1] - (curvature[2] - curvature[1]) * start;
         curvature[last] = curvature[last - 1] + (curvature[last - 1] - curvature[last - 2]) * end;
     }
+    if ends == Ends::Level {
+        curvature[0] = level_bend(y[1] - y[0], h[0]) - 0.5 * curvature[1];
+    }
+    if matches!(ends, Ends::Level | Ends::LevelAtLast) {
+        let bend = level_bend(y[last - 1] - y[last], h[last - 1]);
+        curvature[last] = bend - 0.5 * curvature[last - 1];
+    }
     curvature
+}
+
+/// Curvature of a level end if the next point, by so much higher and so far away, had none.
+fn level_bend(rise: f64, distance: f64) -> f64 {
+    3.0 * rise / (distance * distance)
 }
 
 #[cfg(test)]
@@ -284,6 +318,36 @@ mod tests {
         for (place, value) in x.iter().zip(&y) {
             assert!((spline.evaluate(*place)[0] - value).abs() < 1e-13);
         }
+    }
+
+    #[test]
+    fn level_ends_are_level_and_the_curve_is_smooth_at_its_points() {
+        let (x, y) = uneven();
+        for (ends, is_level) in [
+            (Ends::Level, [true, true]),
+            (Ends::LevelAtLast, [false, true]),
+        ] {
+            let spline = Spline::through(&x, &y, ends).unwrap();
+            let h = 1e-6;
+            for (place, value) in x.iter().zip(&y) {
+                let [left, right] = [-h, h].map(|step| spline.evaluate(place + step));
+                assert!((spline.evaluate(*place)[0] - value).abs() < 1e-12);
+                assert!((left[1] - right[1]).abs() < 1e-4, "{ends:?} {place}");
+            }
+            for (end, is_level) in [x[0], x[x.len() - 1]].into_iter().zip(is_level) {
+                assert_eq!(
+                    spline.evaluate(end)[1].abs() < 1e-12,
+                    is_level,
+                    "{ends:?} {end}"
+                );
+            }
+            let beyond = spline.evaluate(x[x.len() - 1] + 3.0);
+            assert!((beyond[0] - y[y.len() - 1]).abs() < 1e-12 && beyond[1] == 0.0);
+        }
+        // Two points and a level end: the parabola is not a cubic of this kind, but its slopes are.
+        let pair = Spline::through(&[0.0, 1.0], &[1.0, 0.0], Ends::LevelAtLast).unwrap();
+        let [value, slope, _] = pair.evaluate(0.5);
+        assert!((value - 0.3125).abs() < 1e-12 && (slope + 1.125).abs() < 1e-12);
     }
 
     #[test]

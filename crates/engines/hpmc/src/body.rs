@@ -8,7 +8,7 @@ use protomer_kernel::Rotation;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::ellipsoid::measures_of_ellipsoid;
 use protomer_kernel::shape::exact::overlap_exactly;
-use protomer_kernel::shape::separation::{Block, Pair, dot, error_of_heights, pack, turn};
+use protomer_kernel::shape::separation::{Block, Pair, dot, error_of_heights, matrix, pack, turn};
 
 /// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre; several of them, held
 /// together; or an ellipse or ellipsoid.
@@ -347,16 +347,4 @@ pub(crate) fn is_within<const D: usize>(
 
 pub(crate) fn norm<const D: usize>(vector: &[f64; D]) -> f64 {
     dot(vector, vector).sqrt()
-}
-
-/// The first D rows and columns of a rotation matrix.
-pub(crate) fn matrix<const D: usize>(rotation: &Rotation) -> [[f64; D]; D] {
-    let full = rotation.to_rotation_matrix();
-    let mut matrix = [[0.0; D]; D];
-    for (row, numbers) in matrix.iter_mut().enumerate() {
-        for (column, number) in numbers.iter_mut().enumerate() {
-            *number = full[(row, column)];
-        }
-    }
-    matrix
 }

@@ -373,7 +373,7 @@ mod tests {
             let point: [f64; D] = std::array::from_fn(|axis| {
                 (half_axes[axis] + 1.5 * radius) * rng.uniform_in(-1.0, 1.0)
             });
-            let turn = crate::body::matrix::<D>(&rotation);
+            let turn = protomer_kernel::shape::separation::matrix::<D>(&rotation);
             let turned: [f64; D] = std::array::from_fn(|row| dot(&turn[row], &point));
             let distance = distance(&half_axes, &point);
             let expected = distance < radius;

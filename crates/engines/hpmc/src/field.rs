@@ -1,12 +1,10 @@
 //! Potentials that act on each body.
 
+pub use protomer_kernel::height_energy::HeightTable;
+
 use crate::system::{System, Trial};
-use crate::{Result, error::require};
 use protomer_kernel::random::CounterRng;
 use serde::{Deserialize, Serialize};
-
-/// Largest energy of a field, kT.
-const LARGEST_ENERGY_KT: f64 = 1e6;
 
 /// A potential that acts on each body, in kT.
 pub(crate) trait Field<const D: usize> {
@@ -45,97 +43,6 @@ impl<const D: usize> Field<D> for Gravity {
     fn change_kt(&mut self, system: &System<D>, trial: &Trial<D>) -> f64 {
         let rise = trial.position[D - 1] - system.positions[trial.body][D - 1];
         self.weight_kt_per_length * rise
-    }
-}
-
-/// An energy of each body by its last coordinate: straight lines between the rows of a table.
-///
-/// ```
-/// use protomer_hpmc::field::HeightTable;
-/// let valley = HeightTable { heights: vec![0.0, 1.0, 2.0], energies_kt: vec![4.0, 0.0, 4.0] };
-/// assert!(valley.check().is_ok());
-/// assert_eq!((valley.energy_kt(0.5), valley.energy_kt(3.0)), (2.0, 4.0));
-/// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HeightTable {
-    /// Heights over the lower end of the last axis, rising, in the unit of the shape.
-    pub heights: Vec<f64>,
-    /// Energies at these heights, kT. Beyond the table its ends hold.
-    pub energies_kt: Vec<f64>,
-}
-
-impl HeightTable {
-    /// Checks the numbers.
-    ///
-    /// ```
-    /// use protomer_hpmc::field::HeightTable;
-    /// let falling = HeightTable { heights: vec![1.0, 0.0], energies_kt: vec![0.0, 0.0] };
-    /// assert!(falling.check().is_err(), "heights rise");
-    /// ```
-    ///
-    /// # Errors
-    /// Names the number that cannot be.
-    pub fn check(&self) -> Result<()> {
-        let (rows, energies) = (self.heights.len(), self.energies_kt.len());
-        let count = (1..=100_000).contains(&rows);
-        require(
-            "the number of heights of a field",
-            rows as f64,
-            "from 1 to 100000",
-            count,
-        )?;
-        require(
-            "the number of energies of a field",
-            energies as f64,
-            "that of its heights",
-            rows == energies,
-        )?;
-        for energy in &self.energies_kt {
-            let holds = energy.abs() <= LARGEST_ENERGY_KT;
-            require(
-                "an energy of a field (kT)",
-                *energy,
-                "from -1e6 to 1e6",
-                holds,
-            )?;
-        }
-        for pair in self.heights.windows(2) {
-            let is_rising = pair[1] > pair[0];
-            require(
-                "a height of a field",
-                pair[1],
-                "above the one before",
-                is_rising,
-            )?;
-        }
-        let first = self.heights[0];
-        require(
-            "a height of a field",
-            first,
-            "a finite number",
-            first.is_finite(),
-        )
-    }
-
-    /// Energy at a height, kT.
-    ///
-    /// ```
-    /// use protomer_hpmc::field::HeightTable;
-    /// let slope = HeightTable { heights: vec![1.0, 3.0], energies_kt: vec![0.0, 4.0] };
-    /// assert_eq!([0.0, 2.0, 9.0].map(|height| slope.energy_kt(height)), [0.0, 2.0, 4.0]);
-    /// ```
-    pub fn energy_kt(&self, height: f64) -> f64 {
-        let above = self.heights.partition_point(|row| *row <= height);
-        match above {
-            0 => self.energies_kt[0],
-            all if all == self.heights.len() => self.energies_kt[all - 1],
-            row => {
-                let [low, high] = [self.heights[row - 1], self.heights[row]];
-                let [first, second] = [self.energies_kt[row - 1], self.energies_kt[row]];
-                first + (second - first) * (height - low) / (high - low)
-            }
-        }
     }
 }
 

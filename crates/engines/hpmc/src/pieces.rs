@@ -417,9 +417,10 @@ fn thin_corners<const D: usize>(shape: &Shape) -> (Vec<[f64; D]>, [f64; D]) {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use crate::body::{HardBody, matrix};
+    use crate::body::HardBody;
     use protomer_kernel::random::{CounterRng, Purpose};
     use protomer_kernel::shape::Shape;
+    use protomer_kernel::shape::separation::matrix;
     use protomer_kernel::shape::separation::{Block, turn};
     use protomer_kernel::{Rotation, Vec3};
     use std::f64::consts::TAU;

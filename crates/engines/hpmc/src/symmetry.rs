@@ -4,12 +4,12 @@
 //! the potential is u = 4 sin²(ω/2), which is ω² for small angles. All orientations that look alike
 //! have the same energy, so each of them is counted.
 
-use crate::body::{HardBody, matrix, norm};
+use crate::body::{HardBody, norm};
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Rotation3};
 use protomer_kernel::quadrature::gauss_legendre;
 use protomer_kernel::random::{CounterRng, Purpose};
-use protomer_kernel::shape::separation::{Block, dot};
+use protomer_kernel::shape::separation::{Block, dot, matrix};
 use protomer_kernel::{Rotation, Vec3};
 use std::f64::consts::PI;
 

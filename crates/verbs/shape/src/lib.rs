@@ -6,6 +6,7 @@
 //! | [`hard_bodies`] | Monte Carlo of many hard convex bodies, phases by theory |
 //! | [`dynamics`] | contact dynamics of convex shapes |
 //! | [`given_state`] | bodies where a file has them |
+//! | [`potential_file`] | potentials of pairs and fields from files |
 //! | `course` | the log of a run as a figure |
 //! | `last_frame` | the bodies of a trajectory as meshes to look at |
 //!
@@ -16,5 +17,6 @@ pub mod dynamics;
 pub mod given_state;
 pub mod hard_bodies;
 mod last_frame;
+pub mod potential_file;
 mod shape_words;
 pub mod shapes;

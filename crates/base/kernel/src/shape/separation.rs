@@ -12,7 +12,7 @@
 //! [`closest`](super::closest)) goes towards the origin, and stops as soon as the distance is
 //! known to be more or less than the reach.
 
-use crate::{Vec3, vectorised};
+use crate::{Rotation, Vec3, vectorised};
 
 /// Corners that are handled together.
 pub const LANES: usize = 4;
@@ -91,6 +91,25 @@ pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
         sum += a[axis] * b[axis];
     }
     sum
+}
+
+/// The first D rows and columns of a rotation matrix.
+///
+/// ```
+/// use protomer_kernel::{Rotation, Vec3, shape::separation::matrix};
+/// let quarter = Rotation::from_axis_angle(&Vec3::z_axis(), std::f64::consts::FRAC_PI_2);
+/// let [[_, sine], _] = matrix::<2>(&quarter);
+/// assert!((sine + 1.0).abs() < 1e-12);
+/// ```
+pub fn matrix<const D: usize>(rotation: &Rotation) -> [[f64; D]; D] {
+    let full = rotation.to_rotation_matrix();
+    let mut matrix = [[0.0; D]; D];
+    for (row, numbers) in matrix.iter_mut().enumerate() {
+        for (column, number) in numbers.iter_mut().enumerate() {
+            *number = full[(row, column)];
+        }
+    }
+    matrix
 }
 
 /// The difference of two vectors.

@@ -124,6 +124,7 @@ fn two_balls_with_a_table_have_their_exact_statistics() {
     let term = Term::Radial {
         distances: vec![1.0, 1.4, 2.0],
         energies_kt: vec![-1.5, -0.7, 0.0],
+        curve: None,
     };
     let mayer = -4.0 * PI / 3.0 + over_shell(2.0, |r| (-energy(r)).exp() - 1.0);
     two_balls(
@@ -232,6 +233,7 @@ fn a_potential_of_zero_is_none() {
     let zero = Term::Radial {
         distances: vec![0.5, 2.0],
         energies_kt: vec![0.0, 0.0],
+        curve: None,
     };
     let [none, zero] = [settings(&[]), settings(&[zero])].map(|settings| {
         let mut simulation = Simulation::new(&settings, &cube, &[], &start).unwrap();
@@ -247,6 +249,7 @@ fn terms_that_cannot_be_say_why() {
     let radial = |distances: &[f64], energies_kt: &[f64]| Term::Radial {
         distances: distances.to_vec(),
         energies_kt: energies_kt.to_vec(),
+        curve: None,
     };
     assert!(complaint(radial(&[1.0, 1.0], &[1.0, 0.0])).contains("above the one before"));
     assert!(complaint(radial(&[1.0, 2.0], &[1.0, 0.5])).contains("must be 0"));

@@ -5,7 +5,6 @@
 //! | [`settings`] | the settings of a run |
 //! | [`start`] | bodies and starts from names and files |
 //! | `kinds` | kinds of bodies from the settings |
-//! | [`potential_file`] | potentials of pairs and fields from files |
 //! | [`placed`] | bodies that begin where another simulation left them |
 //! | [`run`] | one run in its directory |
 //! | [`live`] | hard bodies in memory, for loops of one's own |
@@ -26,7 +25,6 @@ pub mod log;
 pub mod page;
 pub mod phases;
 pub mod placed;
-pub mod potential_file;
 pub mod result;
 pub mod run;
 pub mod settings;

@@ -5,11 +5,11 @@ use clap::Args;
 use protomer_common::settings::Words;
 use protomer_shape_verbs::given_state::is_state;
 use protomer_shape_verbs::hard_bodies::placed::with_state;
-use protomer_shape_verbs::hard_bodies::potential_file::{read_field, read_potential};
 use protomer_shape_verbs::hard_bodies::settings::{
     Freedom, Gravity, HardBodySettings, Pressure, parse_depletants,
 };
 use protomer_shape_verbs::hard_bodies::start::{FLUID, names_of_crystals, names_of_mixed_crystals};
+use protomer_shape_verbs::potential_file::{read_field, read_potential};
 use std::path::PathBuf;
 
 /// Bodies, their box, and what is measured.

@@ -1,7 +1,7 @@
 //! A well of one depth.
 
 use super::{PairPotential, PosedPair, require_energy, require_length};
-use crate::Result;
+use crate::error::Result;
 
 /// The same energy for all pairs whose centres are closer than a range.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,10 +2,9 @@
 
 use super::square_well::SquareWell;
 use super::{PairPotential, PosedPair, vectors};
-use crate::body::matrix;
-use crate::{Result, error::require};
-use protomer_kernel::Rotation;
-use protomer_kernel::shape::separation::dot;
+use crate::Rotation;
+use crate::error::{Result, require};
+use crate::shape::separation::{dot, matrix};
 
 /// A well for pairs each of which has a patch that faces the other.
 #[derive(Debug, Clone, PartialEq)]

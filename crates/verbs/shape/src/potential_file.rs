@@ -1,4 +1,4 @@
-//! Potentials of pairs and fields from files.
+//! Potentials of pairs and fields from files, for hard bodies and for bodies in motion.
 //!
 //! ```text
 //! [[term]]                       distance,energy_kt          height,energy_kt
@@ -7,9 +7,10 @@
 //! depth_kt = 1.0                 2.0,0
 //! ```
 
-use super::settings::{HeightTable, Term};
 use anyhow::{Result, bail};
 use protomer_common::input::InputFile;
+use protomer_kernel::height_energy::HeightTable;
+use protomer_kernel::pair_energy::Term;
 use protomer_results::keys::read_toml;
 use serde::Deserialize;
 use std::path::Path;
@@ -27,8 +28,8 @@ struct Terms {
 /// Names the file, the line and what it should hold.
 ///
 /// ```
-/// use protomer_shape_verbs::hard_bodies::potential_file::read_potential;
-/// use protomer_shape_verbs::hard_bodies::settings::Term;
+/// use protomer_kernel::pair_energy::Term;
+/// use protomer_shape_verbs::potential_file::read_potential;
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("well.toml");
 /// std::fs::write(&path, "[[term]]\nkind = \"square-well\"\nrange = 1.5\ndepth_kt = 1.0\n")?;
@@ -50,6 +51,7 @@ pub fn read_potential(path: &Path) -> Result<Vec<Term>> {
     Ok(vec![Term::Radial {
         distances,
         energies_kt,
+        curve: None,
     }])
 }
 
@@ -117,6 +119,7 @@ mod tests {
         let radial = Term::Radial {
             distances: vec![1.0, 2.0],
             energies_kt: vec![-1.5, 0.0],
+            curve: None,
         };
         assert_eq!(read_potential(&table).unwrap(), [radial]);
         let field = file("f.csv", "height,energy_kt\n0,3\n1,0\n");

@@ -1,10 +1,11 @@
 //! Screened charges on sites of the bodies.
 
-use super::{PairPotential, PosedPair, require_length, vectors};
-use crate::body::{matrix, norm};
-use crate::{Error, Result, error::require};
-use protomer_kernel::Rotation;
-use protomer_kernel::shape::separation::dot;
+use super::{
+    PairForce, PairPotential, PosedPair, SmoothPotential, in_space, require_length, vectors,
+};
+use crate::Rotation;
+use crate::error::{KernelError, Result, require};
+use crate::shape::separation::{dot, matrix};
 
 /// Interaction of two charges: l_B q q' (exp(-s/λ)/s - exp(-s_c/λ)/s_c) up to a cut-off s_c.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +59,7 @@ impl<const D: usize> Charges<D> {
     ) -> Result<Self> {
         let positions = vectors::<D>(positions)?;
         if positions.len() != charges_e.len() {
-            return Err(Error::OutOfRange {
+            return Err(KernelError::OutOfRange {
                 quantity: "the number of charges",
                 value: charges_e.len() as f64,
                 requirement: "that of their sites",
@@ -72,7 +73,7 @@ impl<const D: usize> Charges<D> {
                 charge.abs() <= 1000.0,
             )?;
         }
-        let farthest = positions.iter().map(norm).fold(0.0, f64::max);
+        let farthest = positions.iter().map(length).fold(0.0, f64::max);
         Ok(Self {
             screening,
             sites: positions
@@ -113,13 +114,13 @@ impl<const D: usize> PairPotential<D> for Charges<D> {
     }
 
     fn energy_kt(&self, pair: &PosedPair<'_, D>) -> f64 {
-        self.sum(pair, |apart| self.screening.between(norm(apart))[0])
+        self.sum(pair, |apart| self.screening.between(length(apart))[0])
     }
 
     fn virial_kt(&self, pair: &PosedPair<'_, D>) -> f64 {
         // d/d(ln r) moves the second body along the offset.
         self.sum(pair, |apart| {
-            let distance = norm(apart);
+            let distance = length(apart);
             -self.screening.between(distance)[1] * dot(apart, &pair.offset) / distance
         })
     }
@@ -129,6 +130,42 @@ impl<const D: usize> PairPotential<D> for Charges<D> {
     }
 
     fn is_directed(&self) -> bool {
-        self.sites.iter().any(|(site, _)| norm(site) > 0.0)
+        self.sites.iter().any(|(site, _)| length(site) > 0.0)
     }
+}
+
+impl<const D: usize> SmoothPotential<D> for Charges<D> {
+    fn forces_kt(&self, pair: &PosedPair<'_, D>) -> PairForce<D> {
+        let mut total = PairForce::zero();
+        if pair.distance >= self.range {
+            return total;
+        }
+        let [first, second] = pair.rotations.map(|rotation| self.turned(rotation));
+        for (first_site, (_, charge)) in first.iter().zip(&self.sites) {
+            for (second_site, (_, other)) in second.iter().zip(&self.sites) {
+                let apart: [f64; D] = std::array::from_fn(|axis| {
+                    pair.offset[axis] + second_site[axis] - first_site[axis]
+                });
+                let distance = length(&apart);
+                if distance >= self.screening.cut_off {
+                    continue;
+                }
+                let [energy, slope] = self.screening.between(distance);
+                total.energy_kt += charge * other * energy;
+                // The first site is pushed away from the second where the energy falls with the distance.
+                let force = apart.map(|x| charge * other * slope * x / distance);
+                for (sum, component) in total.force_kt_per_length.iter_mut().zip(&force) {
+                    *sum += component;
+                }
+                let force = in_space(&force);
+                total.torques_kt[0] += in_space(first_site).cross(&force);
+                total.torques_kt[1] -= in_space(second_site).cross(&force);
+            }
+        }
+        total
+    }
+}
+
+fn length<const D: usize>(vector: &[f64; D]) -> f64 {
+    dot(vector, vector).sqrt()
 }
