@@ -8,6 +8,7 @@
 //! A step is reversible and symplectic. Forces are added in the order of the pairs, whatever thread
 //! computed them, so results do not depend on threads.
 
+use crate::added::{Added, PairEnergy};
 use crate::bath::{self, Ensemble, noise_of, normal_turns, normal_vector, require};
 use crate::near::{Felt, Law, Turned, felt};
 use crate::neighbours::{Neighbours, Pair, shift};
@@ -51,7 +52,7 @@ pub struct Motion {
     pub state: State,
     /// Number of steps done.
     pub steps: u64,
-    /// Energy of all pairs.
+    /// Energy of all pairs, and of the heights.
     pub potential_energy: f64,
     /// Virial: the sum over pairs of force times the vector between the centres.
     pub virial: f64,
@@ -112,6 +113,9 @@ pub struct Engine {
     first_rows: Vec<usize>,
     geometry: Turned,
     felt: Vec<Felt>,
+    added: Added,
+    /// Turns of the bodies for energies that depend on them.
+    turns: Vec<Rotation>,
 }
 
 impl Engine {
@@ -149,6 +153,19 @@ impl Engine {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(bodies: Bodies, state: State, settings: Settings) -> Result<Self> {
+        Self::with_added(bodies, state, settings, Added::default())
+    }
+
+    /// An engine for bodies that have energies in addition to their contacts.
+    ///
+    /// # Errors
+    /// As [`Engine::new`]; also for a box that is too short for a table of heights, and for heights at constant pressure.
+    pub fn with_added(
+        bodies: Bodies,
+        state: State,
+        settings: Settings,
+        added: Added,
+    ) -> Result<Self> {
         if !bodies.fit(&state) {
             return Err(Error::OtherBodies);
         }
@@ -159,12 +176,17 @@ impl Engine {
             virial: 0.0,
             heat: 0.0,
             volume_trials: [0; 2],
-            neighbours: Neighbours::find(&bodies, &state, &settings.interaction)?,
+            neighbours: Neighbours::find_within(
+                &bodies,
+                &state,
+                &settings.interaction,
+                added.range(),
+            )?,
             forces: vec![Vec3::zeros(); count],
             torques: vec![Vec3::zeros(); count],
             state,
         };
-        let mut engine = Self::continued(bodies, motion, settings)?;
+        let mut engine = Self::continued_with_added(bodies, motion, settings, added)?;
         engine.find_forces()?;
         Ok(engine)
     }
@@ -174,8 +196,22 @@ impl Engine {
     /// # Errors
     /// As [`Engine::new`], and [`Error::OtherBodies`] for a state of other bodies.
     pub fn continued(bodies: Bodies, motion: Motion, settings: Settings) -> Result<Self> {
+        Self::continued_with_added(bodies, motion, settings, Added::default())
+    }
+
+    /// An engine for bodies that go on from where they were, with the energies in addition to their contacts that they had.
+    ///
+    /// # Errors
+    /// As [`Engine::continued`] and [`Engine::with_added`].
+    pub fn continued_with_added(
+        bodies: Bodies,
+        motion: Motion,
+        settings: Settings,
+        added: Added,
+    ) -> Result<Self> {
         require("the time step", settings.time_step)?;
         settings.ensemble.check()?;
+        check_field(&added, &settings.ensemble)?;
         check_interaction(&bodies, &settings.interaction)?;
         let count = bodies.count();
         let dimension = bodies.dimension();
@@ -186,6 +222,7 @@ impl Engine {
         if bodies.kinds.iter().any(|kind| kind.dimension != dimension) {
             return Err(Error::MixedDimensions);
         }
+        added.check(&bodies, &motion.state)?;
         let (mut parts, mut first_rows) = (Vec::new(), Vec::new());
         for kind in &bodies.kinds {
             first_rows.push(parts.len());
@@ -207,6 +244,8 @@ impl Engine {
             first_rows,
             geometry,
             felt: Vec::new(),
+            added,
+            turns: Vec::new(),
         })
     }
 
@@ -233,10 +272,11 @@ impl Engine {
     /// Moves on with another time step and ensemble; the interaction stays.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`].
+    /// [`Error::OutOfRange`]; [`Error::FieldAtPressure`] for a constant pressure where bodies have an energy by their height.
     pub fn change_settings(&mut self, settings: Settings) -> Result<()> {
         require("the time step", settings.time_step)?;
         settings.ensemble.check()?;
+        check_field(&self.added, &settings.ensemble)?;
         self.settings = Settings {
             interaction: self.settings.interaction,
             ..settings
@@ -256,14 +296,15 @@ impl Engine {
     }
 
     /// Number of translational degrees of freedom, without those of the centre of mass in ensembles
-    /// that conserve the momentum.
+    /// that conserve the momentum. Energies by the height conserve it across the last axis alone.
     pub fn movements(&self) -> usize {
         let (count, dimension) = (self.bodies.count(), self.bodies.dimension());
         let is_free = matches!(
             self.settings.ensemble,
             Ensemble::Nve | Ensemble::Nvt { .. } | Ensemble::Npt { .. }
         );
-        dimension * count.saturating_sub(usize::from(is_free))
+        let freed = usize::from(is_free && self.added.heights.is_some() && count > 0);
+        dimension * count.saturating_sub(usize::from(is_free)) + freed
     }
 
     /// Number of translational and rotational degrees of freedom.
@@ -482,6 +523,9 @@ impl Engine {
         }
         motion.forces.fill(Vec3::zeros());
         motion.torques.fill(Vec3::zeros());
+        if let Some(pairs) = &self.added.pairs {
+            pairs.turns(&self.bodies, &motion.state, &mut self.turns);
+        }
         let view = View {
             bodies: &self.bodies,
             state: &motion.state,
@@ -490,6 +534,8 @@ impl Engine {
             first_rows: &self.first_rows,
             rows: self.bodies.kinds.iter().map(|kind| kind.parts.len()).sum(),
             form: self.settings.interaction.form,
+            added: self.added.pairs.as_ref(),
+            turns: &self.turns,
         };
         let mut sum = Sum::new(&mut motion.forces, &mut motion.torques);
         let pairs = &mut motion.neighbours.pairs;
@@ -519,6 +565,10 @@ impl Engine {
         let (energy, virial, met) = (sum.energy, sum.virial, sum.met);
         motion.potential_energy = energy;
         motion.virial = virial;
+        if let Some(heights) = &self.added.heights {
+            let dimension = self.bodies.dimension();
+            motion.potential_energy += heights.add(&motion.state, dimension, &mut motion.forces);
+        }
         if let Some([first, second]) = met {
             return Err(Error::Met { first, second });
         }
@@ -531,6 +581,14 @@ impl Engine {
 }
 
 type Noise = protomer_kernel::random::CounterRng;
+
+/// Fails for energies by the height in a box that changes.
+fn check_field(added: &Added, ensemble: &Ensemble) -> Result<()> {
+    match (&added.heights, ensemble) {
+        (Some(_), Ensemble::Npt { .. }) => Err(Error::FieldAtPressure),
+        _ => Ok(()),
+    }
+}
 
 /// Fails for an attraction that is none, a central term that only pairs have, and ellipsoids along
 /// with bodies with faces.
@@ -563,6 +621,8 @@ struct View<'a> {
     first_rows: &'a [usize],
     rows: usize,
     form: Form,
+    added: Option<&'a PairEnergy>,
+    turns: &'a [Rotation],
 }
 
 impl View<'_> {
@@ -572,9 +632,21 @@ impl View<'_> {
         second - first + shift(&self.state.space, pair.images)
     }
 
-    /// Interaction of two bodies through two of their parts, with torques about their centres of
-    /// mass.
+    /// Interaction of two bodies through two of their parts, with torques about their centres of mass. What the bodies as
+    /// wholes do to each other comes with their first parts.
     fn felt(&self, pair: &mut Pair, between: &Vec3) -> Felt {
+        let mut felt = self.contact(pair, between);
+        if let Some(added) = self.added
+            && pair.parts == [0, 0]
+        {
+            let [first, second] = pair.bodies.map(|body| self.turns.get(body as usize));
+            added.add(&mut felt, between, first.zip(second).map(<[_; 2]>::from));
+        }
+        felt
+    }
+
+    /// Repulsion and attraction of two parts, with torques about the centres of mass of their bodies.
+    fn contact(&self, pair: &mut Pair, between: &Vec3) -> Felt {
         let numbers = [0, 1].map(|n| (pair.bodies[n] as usize, pair.parts[n] as usize));
         let [row, column] =
             numbers.map(|(body, part)| self.first_rows[self.bodies.kind_of[body]] + part);

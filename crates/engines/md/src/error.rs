@@ -68,6 +68,38 @@ pub enum Error {
         /// The length that the edge must have at least.
         needed: f64,
     },
+    /// A table of heights that is longer than the box.
+    #[error(
+        "the field has heights from {first} to {last}, and the box is {length:.4} long there; give heights from 0 to at \
+         most that, or a lower density"
+    )]
+    TableBeyondBox {
+        /// The first height.
+        first: f64,
+        /// The last height.
+        last: f64,
+        /// Length of the box along the last axis.
+        length: f64,
+    },
+    /// A ball whose orientation would matter.
+    #[error(
+        "sites away from the centre turn a body, and disks and balls do not turn here; give an ellipse or an ellipsoid with \
+         equal half axes, such as ellipsoid:0.5,0.5,0.5"
+    )]
+    BallWithSites,
+    /// Heights without a box.
+    #[error(
+        "a field counts heights from the lower end of a box, and there is none; give a periodic box"
+    )]
+    NoBox,
+    /// A field in a box whose volume changes.
+    #[error(
+        "a field has its heights in a box of constant size; give an ensemble at constant volume, or leave the field out"
+    )]
+    FieldAtPressure,
+    /// An energy in addition to the contacts that bodies in motion cannot have.
+    #[error(transparent)]
+    Energy(#[from] protomer_kernel::KernelError),
     /// A setting outside its range.
     #[error("{what} is {}; give {expected}", Number(*value))]
     OutOfRange {

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`pair`] | the interaction of two bodies: energy, force and torques, in three forms |
 //! | [`near`] | the same, fast, for pairs that are looked at step after step |
+//! | [`added`] | energies of pairs and of heights in addition to the contacts |
 //! | [`body`] | parts, mass and moments of a kind of body |
 //! | [`state`] | where bodies are and how they move |
 //! | [`start`] | how they begin |
@@ -16,6 +17,7 @@
 //!
 //! Energies are in units of ε, lengths in the unit of the shapes, the density of bodies is one.
 
+pub mod added;
 pub mod barostat;
 pub mod bath;
 pub mod body;

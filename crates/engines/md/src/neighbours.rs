@@ -51,7 +51,20 @@ impl Neighbours {
     /// # Errors
     /// [`Error::SmallBox`] if a body would meet two images of another.
     pub fn find(bodies: &Bodies, state: &State, interaction: &Interaction) -> Result<Self> {
-        let range = range(bodies, interaction);
+        Self::find_within(bodies, state, interaction, 0.0)
+    }
+
+    /// Finds the pairs whose parts may interact, and those whose centres are closer than a distance.
+    ///
+    /// # Errors
+    /// As [`Neighbours::find`].
+    pub fn find_within(
+        bodies: &Bodies,
+        state: &State,
+        interaction: &Interaction,
+        distance: f64,
+    ) -> Result<Self> {
+        let range = range(bodies, interaction).max(distance);
         let mut list = Self {
             pairs: Vec::new(),
             places: Vec::new(),

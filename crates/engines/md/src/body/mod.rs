@@ -18,9 +18,9 @@ use crate::{Error, Result};
 use moments::Moments;
 use nalgebra::{Matrix3, SymmetricEigen};
 use part::Part;
-use protomer_kernel::Vec3;
 use protomer_kernel::shape::closest::closest_points;
 use protomer_kernel::shape::polytope::Polytope;
+use protomer_kernel::{Rotation, Vec3};
 use std::f64::consts::PI;
 
 /// Size of products of inertia that are taken for rounding, as a part of the moments.
@@ -52,6 +52,8 @@ pub struct Kind {
     pub mass: f64,
     /// Moments of inertia about the axes of the body; in a plane the last is that about the normal.
     pub moments: Vec3,
+    /// Turn from the frame of the shape, as its file has it, to the axes of the body.
+    pub frame: Rotation,
     pub(crate) inradius: f64,
     pub(crate) circumradius: f64,
 }
@@ -156,12 +158,10 @@ impl Kind {
             };
             Part::faceted(turned(&polytope, &axes), radius, centre)
         });
-        Ok(Self::made(
-            dimension,
-            placed.collect(),
-            total.volume,
-            moments,
-        ))
+        Ok(Self {
+            frame: Rotation::from_matrix(&axes.transpose()),
+            ..Self::made(dimension, placed.collect(), total.volume, moments)
+        })
     }
 
     /// A disk (dimension 2) or a ball (dimension 3) of density one.
@@ -243,6 +243,7 @@ impl Kind {
             parts,
             mass,
             moments,
+            frame: Rotation::identity(),
         }
     }
 
@@ -267,7 +268,10 @@ impl Kind {
         let parts = self.parts.iter().map(|part| part.scaled(factor)).collect();
         let mass = self.mass * factor.powi(dimension);
         let moments = self.moments * factor.powi(dimension + 2);
-        Ok(Self::made(self.dimension, parts, mass, moments))
+        Ok(Self {
+            frame: self.frame,
+            ..Self::made(self.dimension, parts, mass, moments)
+        })
     }
 
     /// The same shape with area or volume one.

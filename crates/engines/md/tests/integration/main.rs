@@ -7,6 +7,7 @@
     reason = "tests fail by panicking"
 )]
 
+mod added;
 mod degenerate;
 mod dynamics;
 mod ellipsoids;
