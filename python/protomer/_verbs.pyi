@@ -1747,6 +1747,8 @@ class _Md:
         preparation_time_step: float | str | None = None,
         log_every: int | str | None = None,
         trajectory_every: int | str | None = None,
+        pair_potential: Path | str | None = None,
+        field: Path | str | None = None,
         time_limit: float | str | None = None,
         checkpoint_every: float | str | None = None,
         threads: int | str | None = None,

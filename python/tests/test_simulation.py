@@ -179,6 +179,27 @@ def test_kinds_and_potentials_are_given_in_memory(disk):
         disks.change(potential=[{"kind": "square-well", "range": 1.5, "depth": 2.0}])
 
 
+def test_bodies_in_motion_have_potentials_and_fields_in_memory():
+    """Two ellipsoids out of each other's reach feel their table alone: 1 kT at a distance of 2, and that of their heights."""
+    table = [{"kind": "radial", "distances": [1.5, 2.0, 2.5], "energies_kt": [3.0, 1.0, 0.0]}]
+    settings = {"keep_size": True, "temperature": 2.0, "ensemble": "nve", "pair_potential": table}
+    pair = {"positions": [[0, 0, 0], [2, 0, 0]], "velocities": [[0, 0, 0.5], [0, 0, 0]], "box": [9, 9, 9]}
+    balls = pm.ContactDynamics("ellipsoid:0.5,0.5,0.5", **settings, **pair)
+    assert balls.measure()["potential_energy"] == 1.0
+    energy = balls.measure()["energy"]
+    balls.run(2000)
+    assert balls.measure()["potential_energy"] < 1.0 and abs(balls.measure()["energy"] - energy) < 1e-6
+    field = {"heights": [0.0, 4.5, 9.0], "energies_kt": [3.0, 1.0, 3.0]}
+    fallen = pm.ContactDynamics("ellipsoid:0.5,0.5,0.5", field=field, **settings, **pair)
+    assert fallen.measure()["potential_energy"] == pytest.approx(3.0)
+    for changed in ({"temperature": 1.0}, {"pair_potential": []}):
+        with pytest.raises(pm.ProtomerError, match="other bodies"):
+            balls.change(**changed)
+    with pytest.raises(pm.ProtomerError, match="no finite force"):
+        well = [{"kind": "square-well", "range": 1.5, "depth_kt": 2.0}]
+        pm.ContactDynamics("cube", **pair, pair_potential=well)
+
+
 def test_files_are_those_of_the_command(tmp_path):
     gsd = pytest.importorskip("gsd.hoomd")
     bodies = squares()

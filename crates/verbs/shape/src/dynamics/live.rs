@@ -181,12 +181,19 @@ impl Live for LiveDynamics {
             equilibrate_steps: settings.equilibrate_steps,
             start: settings.start.clone(),
             frame: settings.frame,
+            pair_potential: settings.pair_potential.clone(),
+            field: settings.field.clone(),
+            // The unit of those energies.
+            temperature: match settings.has_added() {
+                true => settings.temperature,
+                false => 1.0,
+            },
             ..DynamicsSettings::default()
         };
         if bodies(&changed) != bodies(before) {
             bail!(
-                "shapes, their number, their start and their preparation are those of other bodies; begin another simulation, or \
-                 place these elsewhere"
+                "shapes, their number, their start, their preparation and their potentials (with the temperature that is the unit \
+                 of these) are those of other bodies; begin another simulation, or place these elsewhere"
             );
         }
         changed.check()?;

@@ -87,7 +87,8 @@ pub(super) fn begin_from(settings: &DynamicsSettings, found: Found) -> Result<Be
         sha256,
     } = found;
     let scale_per_step = scale_per_step(settings, first, bodies.dimension())?;
-    require_room(&bodies, &state, first, settings)?;
+    let added = settings.added(bodies.dimension())?;
+    require_room(&bodies, &state, first, settings, &added)?;
     if !has_velocities {
         set_velocities(&mut state, &bodies, settings.temperature, settings.seed)?;
     }
@@ -96,6 +97,7 @@ pub(super) fn begin_from(settings: &DynamicsSettings, found: Found) -> Result<Be
         volume_with_layer: mean_volume_with_layer(&bodies),
         bodies,
         state,
+        added,
         scale_per_step,
         first_packing_fraction: first,
         input_sha256: sha256_hex(format!("{files}{sha256}").as_bytes()),

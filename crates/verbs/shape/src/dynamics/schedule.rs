@@ -25,10 +25,10 @@ impl Schedule {
     pub(super) fn engine(&self, saved: Option<Motion>) -> Result<Engine> {
         let steps = saved.as_ref().map_or(0, |motion| motion.steps);
         let settings = self.motion(steps);
-        let bodies = self.begun.bodies.clone();
+        let (bodies, added) = (self.begun.bodies.clone(), self.begun.added.clone());
         Ok(match saved {
-            Some(motion) => Engine::continued(bodies, motion, settings)?,
-            None => Engine::new(bodies, self.begun.state.clone(), settings)?,
+            Some(motion) => Engine::continued_with_added(bodies, motion, settings, added)?,
+            None => Engine::with_added(bodies, self.begun.state.clone(), settings, added)?,
         })
     }
 

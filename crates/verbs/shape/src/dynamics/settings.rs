@@ -3,6 +3,9 @@
 use anyhow::{Result, bail};
 use protomer_common::range::{Count, NOT_NEGATIVE, POSITIVE, Range, STEPS};
 use protomer_common::settings::{Declared, Words, is_default};
+use protomer_kernel::height_energy::HeightTable;
+use protomer_kernel::pair_energy::Term;
+use protomer_md::added::Added;
 use protomer_md::bath::Ensemble;
 use protomer_md::pair::central::Central;
 use protomer_md::pair::radial::Attraction;
@@ -104,6 +107,11 @@ protomer_common::settings! {
         log_every: u64 = 100_u64, in STEPS.at_least(1);
         /// Steps between frames of the trajectory; 0 for none.
         trajectory_every: u64 = 1000_u64, in STEPS;
+        /// Energies of pairs of bodies in addition to their contacts, in kT of the temperature. Lengths are those of the
+        /// shapes.
+        pair_potential: Vec<Term>, omit "is_default", from file;
+        /// Energy of each body by its last coordinate, from the lower end of the box, in kT of the temperature.
+        field: Option<HeightTable>, omit "is_default", from file;
     }
 }
 
@@ -140,6 +148,12 @@ impl DynamicsSettings {
                  it out"
             ),
         }
+        if self.ensemble == EnsembleName::Npt && self.field.is_some() {
+            bail!(
+                "--field has its heights in a box of constant size, and --ensemble npt changes it; give another ensemble, or \
+                 leave the field out"
+            );
+        }
         if self.start.is_none() && self.frame.is_some() {
             bail!("--frame is for a GSD file to --start from; give one, or leave it out");
         }
@@ -173,6 +187,20 @@ impl DynamicsSettings {
                 CentralName::Conservative => Central::Conservative,
             },
         }
+    }
+
+    /// Whether there are energies in addition to the contacts.
+    pub fn has_added(&self) -> bool {
+        !self.pair_potential.is_empty() || self.field.is_some()
+    }
+
+    /// The energies in addition to the contacts, of bodies in a plane (dimension 2) or in space (3).
+    ///
+    /// # Errors
+    /// For terms without a force, and for numbers that cannot be.
+    pub fn added(&self, dimension: usize) -> Result<Added> {
+        let (terms, heights) = (&self.pair_potential, self.field.as_ref());
+        Ok(Added::new(terms, heights, dimension, self.temperature)?)
     }
 
     /// The ensemble of the run.

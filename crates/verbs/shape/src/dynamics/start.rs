@@ -9,6 +9,7 @@ use protomer_io::atomic::sha256_hex;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{AtMost, Boundary, Vec3};
+use protomer_md::added::Added;
 use protomer_md::body::Kind;
 use protomer_md::neighbours::Neighbours;
 use protomer_md::pair::CONTACT_RATIO;
@@ -16,6 +17,9 @@ use protomer_md::start::{free_density, on_a_lattice, set_velocities};
 use protomer_md::state::{Bodies, State};
 use std::f64::consts::PI;
 use std::path::Path;
+
+/// Difference of a volume from one that leaves lengths as they are.
+const SAME_SIZE: f64 = 1e-9;
 
 /// The bodies of a run, how many fit, and where they begin.
 #[derive(Debug, Clone)]
@@ -26,6 +30,8 @@ pub struct Begun {
     pub state: State,
     /// Area or volume of a body with a layer of half of σ_c around it, on average.
     pub volume_with_layer: f64,
+    /// Energies in addition to the contacts.
+    pub added: Added,
     /// Factor by which the box and the centres are multiplied in each step of the compression.
     pub scale_per_step: f64,
     /// Packing fraction at the start.
@@ -52,6 +58,13 @@ pub(super) fn kinds(settings: &DynamicsSettings) -> Result<Vec<Kind>> {
     let mut kinds = Vec::new();
     for name in settings.shape.iter() {
         let kind = kind(name, settings.rounding)?;
+        if settings.has_added() && !settings.keep_size && (kind.mass - 1.0).abs() > SAME_SIZE {
+            bail!(
+                "--pair-potential and --field have their lengths in the unit of the shape, and --shape {name} would be scaled \
+                 by {:.4}; give --keep-size",
+                kind.mass.powf(-1.0 / kind.dimension as f64)
+            );
+        }
         kinds.push(match settings.keep_size {
             true => kind,
             false => kind.of_unit_volume()?,
@@ -74,12 +87,14 @@ fn begin_on_a_lattice(settings: &DynamicsSettings, kinds: Vec<Kind>) -> Result<B
     }
     let scale_per_step = scale_per_step(settings, first, bodies.dimension())?;
     let mut state = on_a_lattice(&bodies, first / volume_with_layer, settings.seed)?;
-    require_room(&bodies, &state, first, settings)?;
+    let added = settings.added(bodies.dimension())?;
+    require_room(&bodies, &state, first, settings, &added)?;
     set_velocities(&mut state, &bodies, settings.temperature, settings.seed)?;
     Ok(Begun {
         bodies,
         state,
         volume_with_layer,
+        added,
         scale_per_step,
         first_packing_fraction: first,
         input_sha256: hash_of_files(&settings.shape)?,
@@ -115,25 +130,28 @@ pub(super) fn scale_per_step(
     })
 }
 
-/// Refuses bodies that would meet their own images in the compressed box.
+/// Refuses bodies that would meet their own images in the compressed box, and heights that it would not have.
 pub(super) fn require_room(
     bodies: &Bodies,
     state: &State,
     first: f64,
     settings: &DynamicsSettings,
+    added: &Added,
 ) -> Result<()> {
     let target = settings.packing_fraction;
     let scale = (first / target)
         .min(1.0)
         .powf(1.0 / bodies.dimension() as f64);
     let compressed = in_smaller_box(state, scale);
-    Neighbours::find(bodies, &compressed, &settings.interaction()).with_context(|| {
+    let (interaction, range) = (settings.interaction(), added.range());
+    let fits = Neighbours::find_within(bodies, &compressed, &interaction, range)
+        .and_then(|_| added.check(bodies, &compressed));
+    fits.with_context(|| {
         format!(
             "{} bodies at a packing fraction of {target}",
             bodies.count()
         )
-    })?;
-    Ok(())
+    })
 }
 
 /// The state with its box and its centres drawn together.

@@ -10,6 +10,7 @@ use protomer_shape_verbs::dynamics::placed::with_state;
 use protomer_shape_verbs::dynamics::run::run_dynamics;
 use protomer_shape_verbs::dynamics::settings::DynamicsSettings;
 use protomer_shape_verbs::dynamics::start::begin;
+use protomer_shape_verbs::potential_file::{read_field, read_potential};
 use std::path::PathBuf;
 
 /// Follow convex bodies in motion, from a wide lattice through a slow compression. The same command
@@ -32,13 +33,28 @@ pub struct RunArgs {
     output: PathBuf,
     #[command(flatten, next_help_heading = "Dynamics")]
     settings: SettingsArgs<DynamicsSettings>,
+    /// Energy of pairs of bodies in addition to their contacts, as for `hpmc run --potential`: terms in a .toml file (radial,
+    /// charges), or a table with the columns distance and energy_kt. kT is that of --temperature.
+    #[arg(long, value_name = "FILE", help_heading = "Dynamics")]
+    pair_potential: Option<PathBuf>,
+    /// Energy of each body by its last coordinate, from the lower end of the box: a table with the columns height and
+    /// energy_kt, whose first and last energies are equal.
+    #[arg(long, value_name = "FILE", help_heading = "Dynamics")]
+    field: Option<PathBuf>,
     #[command(flatten)]
     execution: ExecutionArgs,
 }
 
 impl RunArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        let settings = with_state(self.settings.settings(self.config.as_deref())?)?;
+        let mut settings = self.settings.settings(self.config.as_deref())?;
+        if let Some(path) = &self.pair_potential {
+            settings.pair_potential = read_potential(path)?;
+        }
+        if let Some(path) = &self.field {
+            settings.field = Some(read_field(path)?);
+        }
+        let settings = with_state(settings)?;
         let begun = begin(&settings)?;
         front.say(&format!(
             "{} bodies from a packing fraction of {:.4} to {}, then {} steps of {}",
