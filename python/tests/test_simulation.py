@@ -275,6 +275,42 @@ def test_an_assembly_moves_in_memory_as_its_command_moves_it(ring, tmp_path):
         pm.AssemblySimulation(ring, salt="100mM", sed=1)
 
 
+def test_a_command_starts_where_a_file_of_another_program_has_the_bodies(ring, tmp_path):
+    gsd = pytest.importorskip("gsd.hoomd")
+    turned = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0.5, 0.5, 0.5, 0.5], [0.8, 0, 0.6, 0]])
+    places = np.array([[x, 7.0, -5.0] for x in (-90, -30, 30, 90)], dtype=float)
+    path = tmp_path / "mine.gsd"
+    with gsd.open(str(path), "w") as file:
+        for shift in (0.0, 25.0):
+            frame = gsd.Frame()
+            frame.configuration.box = [640, 640, 640, 0, 0, 0]
+            frame.particles.N, frame.particles.types, frame.particles.typeid = 4, ["A", "B"], [0, 1, 0, 1]
+            frame.particles.position, frame.particles.orientation = places + [0, shift, 0], turned
+            file.append(frame)
+    settings = {"salt": "100mM", "equilibration": 0, "seed": 5, "energy": "direct"}
+    lengths = {"sweeps": 4, "trajectory_every": 4, "log_every": 4}
+    for number, shift in [(0, 0.0), (None, 25.0)]:
+        chosen = {} if number is None else {"frame": number}
+        run = pm.simulate(ring, state=path, **chosen, **lengths, **settings, output=tmp_path / f"from_{number}")
+        bodies = pm.AssemblySimulation(ring, positions=places + [0, shift, 0], orientations=turned, **settings)
+        bodies.run(4)
+        last = run.trajectory()[-1]
+        np.testing.assert_allclose(last.positions_angstrom, bodies.positions, atol=1e-3)
+        np.testing.assert_allclose(np.abs((last.orientations_wxyz * bodies.orientations).sum(axis=1)), 1, atol=1e-6)
+    longer = pm.simulate(ring, state=path, frame=0, **{**lengths, "sweeps": 8}, **settings, output=tmp_path / "from_0")
+    assert longer.log["sweep"][-1] == 8
+
+    with pytest.raises(pm.ProtomerError, match="frame"):
+        pm.simulate(ring, state=path, frame=2, **lengths, **settings, output=tmp_path / "beyond")
+    with pytest.raises(pm.ProtomerError, match="add --state"):
+        pm.simulate(ring, frame=0, **lengths, **settings, output=tmp_path / "alone")
+    with gsd.open(str(tmp_path / "other.gsd"), "w") as file:
+        frame.particles.typeid = [1, 0, 0, 1]
+        file.append(frame)
+    with pytest.raises(pm.ProtomerError, match="other.gsd"):
+        pm.simulate(ring, state=tmp_path / "other.gsd", **lengths, **settings, output=tmp_path / "other")
+
+
 def test_the_page_about_own_loops_runs(tmp_path, monkeypatch, capsys):
     pytest.importorskip("gsd.hoomd")
     text = (ROOT / "docs/tutorial/own-loop.md").read_text()

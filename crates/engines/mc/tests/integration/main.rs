@@ -14,6 +14,7 @@ mod bad_input;
 mod certified;
 mod common;
 mod continuation;
+mod depletants;
 mod levels;
 mod many_bodies;
 mod pair;
