@@ -196,7 +196,7 @@ fn curvatures(x: &[f64], y: &[f64], ends: Ends) -> Vec<f64> {
             before -= after * ratio;
         }
         let mut bend = 6.0 * ((y[i + 1] - y[i]) / h[i] - (y[i] - y[i - 1]) / h[i - 1]);
-        // A level end has a curvature that follows from that of the point beside it, which takes it out of the row.
+        // A level end has a curvature that follows from that of the next point, which takes it out of the row.
         if ends == Ends::Level && i == 1 {
             middle -= 0.5 * before;
             bend -= before * level_bend(y[1] - y[0], h[0]);

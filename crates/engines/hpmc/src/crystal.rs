@@ -82,7 +82,7 @@ impl<const D: usize> UnitCell<D> {
     /// In the diamonds, the bodies of the two kinds of sites are turned so that the faces of a (truncated)
     /// tetrahedron by name look at the four neighbours. In the hexagonal crystal, nearest neighbours
     /// are at odd multiples of 30 degrees from the first axis, where hexagons by name have their
-    /// edges. The cells of several kinds are a row and a square with two kinds by turns, rock salt, caesium chloride, and the
+    /// edges. The cells of several kinds are a row and a square with two kinds alternating, rock salt, caesium chloride, and the
     /// two diamonds with a kind on either kind of site.
     ///
     /// # Errors

@@ -342,7 +342,7 @@ mod tests {
         inside / (edge.powi(3) - contact + excess)
     }
 
-    /// Two parallel spheroids among depletants, beside each other, tip to tip and anything between, by the volume that they
+    /// Two parallel spheroids among depletants, side by side, tip to tip and anything between, by the volume that they
     /// share as integrals over slices.
     #[test]
     fn parallel_spheroids_have_their_exact_statistics() {

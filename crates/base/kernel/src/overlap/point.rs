@@ -62,8 +62,8 @@ fn least_distance(disc: &Disc, point: &Vec3) -> f64 {
     let normal = Vec3::from(disc.normal.map(f64::from));
     let height = offset.dot(&normal);
     let above = (height.abs() - f64::from(disc.half_thickness)).max(0.0);
-    let beside = ((offset - height * normal).norm() - f64::from(disc.radius)).max(0.0);
-    above.hypot(beside) - ROUNDING * (offset.norm() + f64::from(disc.radius))
+    let lateral = ((offset - height * normal).norm() - f64::from(disc.radius)).max(0.0);
+    above.hypot(lateral) - ROUNDING * (offset.norm() + f64::from(disc.radius))
 }
 
 /// Squared distance of a point from a triangle: the least from its corners, its edges and, where the foot lies in it, its

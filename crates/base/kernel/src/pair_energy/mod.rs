@@ -371,7 +371,7 @@ mod tests {
         vec![charges, table]
     }
 
-    /// Forces and torques against differences of the energy, which has a code of its own.
+    /// Forces and torques against differences of the energy, which separate code computes.
     fn compare<const D: usize>(turn: impl Fn(&mut CounterRng) -> Rotation, axes: &[Vec3]) {
         let mut rng = CounterRng::new(5, 0, 0);
         let smooth = SmoothSum::<D>::new(&terms(D)).unwrap();
