@@ -56,7 +56,7 @@ pub enum Purpose {
     BoundState = 10,
     /// Configurations of the parts of an assembly.
     PartGrowth = 11,
-    /// Umbrella windows of the parts of an assembly.
+    /// Windows of the parts of an assembly.
     PartWindows = 12,
     /// Protons that bodies take up and lose.
     ProtonMove = 13,

@@ -73,6 +73,22 @@ impl Configuration {
         moved.energies_kt.iter().sum::<f64>() - before
     }
 
+    /// Change of the energy by a move where only a share of the energies of one body acts, kT.
+    pub fn change_with_coupled_kt(&self, moved: &Moved, coupled: usize, share: f64) -> f64 {
+        let before_kt = self.row_kt(moved.body);
+        if moved.body == coupled {
+            return share * self.change_kt(moved);
+        }
+        let change_kt = |other: usize| moved.energies_kt[other] - before_kt[other];
+        // Not the whole change less a part: where nothing acts, the energies of the body may be old.
+        let others_kt = (0..self.poses.len()).filter(|other| *other != coupled);
+        let others_kt: f64 = others_kt.map(change_kt).sum();
+        match share {
+            0.0 => others_kt,
+            share => others_kt + share * change_kt(coupled),
+        }
+    }
+
     /// Moves one body.
     pub fn place(&mut self, moved: &Moved) {
         let bodies = self.poses.len();

@@ -36,7 +36,7 @@ pub struct GrowthSettings {
     /// A body belongs to a part within this of its pose relative to the body that it is attached to, Å (root mean
     /// square displacement).
     pub limit_angstrom: f64,
-    /// Umbrella windows in the place of nested sampling.
+    /// Windows in the place of nested sampling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub windows: Option<WindowSettings>,
 }
@@ -82,7 +82,7 @@ pub struct Attached {
     pub limit_angstrom: f64,
     /// Steps of the integration of which energies were computed.
     pub evaluations: u64,
-    /// Connection of the umbrella windows; `None` without windows.
+    /// Connection of the windows; `None` without windows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub windows: Option<WindowsFound>,
 }
@@ -260,7 +260,7 @@ impl PartSamples {
 /// work was ended. `number` tells the parts apart that share a seed; `goes_on` is asked after each step.
 ///
 /// # Errors
-/// [`McError::BadSetting`](crate::McError::BadSetting) for settings out of range; [`McError::BadSystem`](crate::McError::BadSystem) for umbrella windows that have nothing in common.
+/// [`McError::BadSetting`](crate::McError::BadSetting) for settings out of range; [`McError::BadSystem`](crate::McError::BadSystem) for windows that have nothing in common.
 pub fn attach(
     arrangement: &Arrangement,
     (number, part): (u32, &PartKind),

@@ -21,7 +21,7 @@
 //! | `connected` | the different connected parts, each with a smaller one that it grows from |
 //! | `configuration` | poses of the bodies of a part, and moves of one of them |
 //! | `growth` | partition functions by attaching one body after the other |
-//! | `windows` | umbrella windows from a part to a free body |
+//! | `windows` | windows from a part to a free body |
 //! | `pulled` | simulations in these windows, which exchange their states |
 //! | `unbiased` | partition functions from the windows, in the place of growth |
 //! | `mass_action` | concentrations of all parts at total concentrations |

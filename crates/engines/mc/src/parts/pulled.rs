@@ -1,12 +1,16 @@
-//! Simulations of a part in umbrella windows that exchange their states.
+//! Simulations of a part in windows that exchange their states.
 //!
 //! One half of the runs starts with the last body in its place, and the bias pulls it out; the other half starts with it
 //! drawn at the displacement of each window. What the two disagree about enters the error.
+//!
+//! Where no energy of the last body acts, only its overlaps are looked up, and its energies are computed when a state is
+//! kept or compared with a window in which they act.
 
 use super::PartKind;
 use super::configuration::{Configuration, Flexible, Moved};
 use super::windows::Windows;
 use crate::pair::region::Region;
+use crate::{McError, Result};
 use nalgebra::Vector6;
 use protomer_kernel::Pose;
 use protomer_kernel::random::CounterRng;
@@ -33,6 +37,8 @@ pub(super) struct Pulled<'a> {
 struct Member {
     configuration: Configuration,
     displacement_angstrom: f64,
+    /// Whether the energies of the last body are those of its pose.
+    has_energies: bool,
     /// Number of the simulation, which moves from window to window by exchanges.
     walker: usize,
 }
@@ -51,7 +57,7 @@ pub(super) struct Frame {
 pub(super) struct Simulated {
     /// Samples by window.
     pub frames: Vec<Vec<Frame>>,
-    /// Share of accepted exchanges of each two neighbouring windows.
+    /// Share of accepted exchanges of each link between windows.
     pub exchanged: Vec<f64>,
     pub round_trips: u64,
     pub evaluations: u64,
@@ -65,8 +71,9 @@ const MOVES: usize = 4;
 const SMALLEST: f64 = 0.02;
 /// Largest shift and displacement by a turn of the other bodies, which are in their wells, Å.
 const MEMBER_ANGSTROM: f64 = 2.0;
-/// Tries to find a start of one kind.
+/// Tries to find a start within a displacement, and within the wall, where other bodies may leave little room.
 const TRIES: usize = 500;
+const LAST_TRIES: usize = 40_000;
 /// Bodies from which on only some samples keep their configuration.
 const MANY_BODIES: usize = 8;
 
@@ -92,30 +99,32 @@ impl Pulled<'_> {
         !self.whole.overlaps(&before.poses, self.last(), &pose)
     }
 
-    /// Simulates all windows; `None` without room for the last body, or if the work was ended. `stream` has the random
-    /// numbers of a step.
+    /// Simulates all windows; `None` if the work was ended. `stream` has the random numbers of a step.
+    ///
+    /// # Errors
+    /// Without room for the last body.
     pub fn simulated(
         &self,
         starts_bound: bool,
         stream: &dyn Fn(u64) -> CounterRng,
         goes_on: &dyn Fn() -> bool,
-    ) -> Option<Simulated> {
+    ) -> Result<Option<Simulated>> {
         let windows = self.windows.count();
         let mut rng = stream(0);
         let starts = (0..windows).map(|window| self.start(window, starts_bound, &mut rng));
-        let mut members: Vec<Member> = starts.collect::<Option<_>>()?;
+        let mut members: Vec<Member> = starts.collect::<Result<_>>()?;
         let mut found = Simulated {
             frames: vec![Vec::new(); windows],
-            exchanged: vec![0.0; windows - 1],
+            exchanged: vec![0.0; self.windows.links.len()],
             round_trips: 0,
             evaluations: 0,
         };
-        let mut trips = Trips::new(windows);
+        let mut trips = Trips::new(windows, self.windows.free_window);
         let settling = self.sweeps / 4;
         let every = (self.sweeps / FRAMES).max(1);
         for sweep in 0..settling + self.sweeps {
             if !goes_on() {
-                return None;
+                return Ok(None);
             }
             // Streams: the start, then for each sweep one of each window and one of the exchanges.
             let first = 1 + sweep * (windows as u64 + 1);
@@ -133,7 +142,8 @@ impl Pulled<'_> {
             }
             found.round_trips += trips.ended(&members);
             if (sweep - settling).is_multiple_of(every) {
-                for (frames, member) in found.frames.iter_mut().zip(&members) {
+                for (frames, member) in found.frames.iter_mut().zip(&mut members) {
+                    self.complete(member);
                     frames.push(self.frame(member, frames.len()));
                 }
             }
@@ -141,7 +151,7 @@ impl Pulled<'_> {
         // Each pair takes its turn in every second sweep.
         let turns = 0.5 * self.sweeps as f64;
         found.exchanged.iter_mut().for_each(|count| *count /= turns);
-        Some(found)
+        Ok(Some(found))
     }
 
     fn frame(&self, member: &Member, number: usize) -> Frame {
@@ -155,7 +165,7 @@ impl Pulled<'_> {
     }
 
     /// A first state of a window: in its place, or at the displacement of the window.
-    fn start(&self, window: usize, starts_bound: bool, rng: &mut CounterRng) -> Option<Member> {
+    fn start(&self, window: usize, starts_bound: bool, rng: &mut CounterRng) -> Result<Member> {
         let wanted_angstrom = self.windows.displacement_angstrom(window);
         // Wider and wider about the place, until there is room.
         let mut within_angstrom = match starts_bound {
@@ -166,12 +176,17 @@ impl Pulled<'_> {
             true => 0.0,
             false => 0.7 * wanted_angstrom,
         };
-        while within_angstrom < self.windows.free_angstrom[1] {
+        let wall_angstrom = self.windows.wall_angstrom(window);
+        loop {
             let region = Region {
                 limit_angstrom: within_angstrom,
                 ..self.region.clone()
             };
-            for _ in 0..TRIES {
+            let tries = match within_angstrom == wall_angstrom {
+                true => LAST_TRIES,
+                false => TRIES,
+            };
+            for _ in 0..tries {
                 let before = &self.before[rng.index(self.before.len())];
                 let place = region.draw(rng);
                 let pose = region.pose(&place).then(&before.poses[self.partner()]);
@@ -181,17 +196,24 @@ impl Pulled<'_> {
                 }
                 let energies_kt = self.whole.energies_kt(&before.poses, self.last(), &pose);
                 if let Some(energies_kt) = energies_kt {
-                    return Some(Member {
+                    return Ok(Member {
                         configuration: before.with_body(pose, &energies_kt),
                         displacement_angstrom,
+                        has_energies: true,
                         walker: window,
                     });
                 }
             }
-            within_angstrom *= 1.5;
+            if within_angstrom == wall_angstrom {
+                break;
+            }
+            within_angstrom = (1.5 * within_angstrom).min(wall_angstrom);
             least_angstrom = 0.0;
         }
-        None
+        Err(McError::BadSystem(format!(
+            "the other bodies leave no room for the last one within {wall_angstrom:.1} Å of its place; a wider --limit may have \
+             some, and nested sampling (without --way biased) tells whether there is any"
+        )))
     }
 
     /// Trial moves of the last body and of the others near it; returns the number of energies that were computed.
@@ -246,8 +268,19 @@ impl Pulled<'_> {
         let rise_kt = bias_kt(displacement_angstrom) - bias_kt(member.displacement_angstrom);
         let is_within_limits =
             body == last || self.without.is_within_limits(configuration, body, &pose);
+        // Infinite beyond the wall.
         if !rise_kt.is_finite() || !is_within_limits {
             return 0;
+        }
+        let coupling = self.windows.coupling(window);
+        if body == last && coupling == 0.0 {
+            let overlaps = self.whole.overlaps(&configuration.poses, body, &pose);
+            if threshold < (-rise_kt).exp() && !overlaps {
+                member.configuration.poses[body] = pose;
+                member.displacement_angstrom = displacement_angstrom;
+                member.has_energies = false;
+            }
+            return 1;
         }
         let Some(energies_kt) = self.whole.energies_kt(&configuration.poses, body, &pose) else {
             return 1;
@@ -257,29 +290,55 @@ impl Pulled<'_> {
             pose,
             energies_kt,
         };
-        if threshold < (-rise_kt - configuration.change_kt(&moved)).exp() {
+        let change_kt = configuration.change_with_coupled_kt(&moved, last, coupling);
+        if threshold < (-rise_kt - change_kt).exp() {
             member.configuration.place(&moved);
             member.displacement_angstrom = displacement_angstrom;
         }
         1
     }
 
-    /// Neighbouring windows exchange their states, even and odd pairs in turn; which of them did.
+    /// Computes the energies of the last body if they are not those of its pose.
+    fn complete(&self, member: &mut Member) {
+        if member.has_energies {
+            return;
+        }
+        let (poses, last) = (&member.configuration.poses, self.last());
+        let pose = poses[last];
+        // Each accepted pose is free of overlaps, so there are energies.
+        if let Some(energies_kt) = self.whole.energies_kt(poses, last, &pose) {
+            member.configuration.place(&Moved {
+                body: last,
+                pose,
+                energies_kt,
+            });
+        }
+        member.has_energies = true;
+    }
+
+    /// Windows exchange their states, every other link in turn; which links did.
     fn exchange(&self, members: &mut [Member], sweep: u64, rng: &mut CounterRng) -> Vec<bool> {
-        let mut accepted = vec![false; members.len() - 1];
-        for window in ((sweep % 2) as usize..members.len() - 1).step_by(2) {
-            let (a, b) = (
-                members[window].displacement_angstrom,
-                members[window + 1].displacement_angstrom,
-            );
-            let bias_kt = |window, displacement| self.windows.bias_kt(window, displacement);
-            // The energies of the bodies cancel: only biases differ.
-            let rise_kt = bias_kt(window, b) + bias_kt(window + 1, a)
-                - bias_kt(window, a)
-                - bias_kt(window + 1, b);
+        let links = &self.windows.links;
+        let mut accepted = vec![false; links.len()];
+        for number in ((sweep % 2) as usize..links.len()).step_by(2) {
+            let [first, second] = links[number];
+            if links[number].map(|window| self.windows.coupling(window)) != [0.0; 2] {
+                self.complete(&mut members[first]);
+                self.complete(&mut members[second]);
+            }
+            let (a, b) = (&members[first], &members[second]);
+            let energy_kt = |window, member: &Member| {
+                let meeting_kt = member.configuration.row_sum_kt(self.last());
+                self.windows
+                    .energy_kt(window, member.displacement_angstrom, meeting_kt)
+            };
+            // The energies of the other bodies cancel.
+            let rise_kt = energy_kt(first, b) + energy_kt(second, a)
+                - energy_kt(first, a)
+                - energy_kt(second, b);
             if rng.uniform() < (-rise_kt).exp() {
-                members.swap(window, window + 1);
-                accepted[window] = true;
+                members.swap(first, second);
+                accepted[number] = true;
             }
         }
         accepted
@@ -289,18 +348,20 @@ impl Pulled<'_> {
 /// Ends of the windows that the walkers met last.
 struct Trips {
     met_outer: Vec<Option<bool>>,
+    free_window: usize,
 }
 
 impl Trips {
-    fn new(walkers: usize) -> Self {
+    fn new(walkers: usize, free_window: usize) -> Self {
         Self {
             met_outer: vec![None; walkers],
+            free_window,
         }
     }
 
     /// Round trips that end in this sweep.
     fn ended(&mut self, members: &[Member]) -> u64 {
-        let (inner, outer) = (members[0].walker, members[members.len() - 1].walker);
+        let (inner, outer) = (members[0].walker, members[self.free_window].walker);
         let before = self.met_outer[inner].replace(false);
         // An outer end counts on the way from an inner one.
         if self.met_outer[outer].is_some() {

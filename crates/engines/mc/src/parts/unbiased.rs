@@ -1,7 +1,7 @@
-//! The partition function of a part from umbrella windows.
+//! The partition function of a part from windows.
 //!
-//! The frames of all windows together are weighted for two states that nobody simulated (MBAR, `crate::reweighting`): the part
-//! with its last body within the limit, and the last body far away without any energy, whose integral is known:
+//! The frames of all windows together are weighted for two states (MBAR, `crate::reweighting`): the part with its last body
+//! within the limit, and the last body far away without any energy, whose integral is known:
 //!
 //! ```text
 //! q_S+j / q_S = Z_bound / Z_free · ∫_free d³R_j dΩ_j/8π²
@@ -24,8 +24,6 @@ use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::statistics::jackknife_error;
 use rayon::prelude::*;
 
-/// Displacement in the middle of the innermost window, of the limit.
-const INNERMOST: f64 = 0.1;
 /// Radius of a body, relative to the radius of gyration of its volume: 1.3 for a ball, 1.73 for a cube.
 const RADIUS: f64 = 1.8;
 /// Room beyond contact from which on a body is free, Å.
@@ -36,6 +34,8 @@ const FREE_RANGE: f64 = 1.25;
 const DRAWS: usize = 2000;
 /// Least share of that range that must be free.
 const LEAST_FREE: f64 = 0.5;
+/// Energy of a frame beyond the wall of a window, kT: MBAR needs a finite one.
+const FORBIDDEN_KT: f64 = 1e6;
 /// Blocks of frames; errors come from leaving each of them out.
 const BLOCKS: usize = 5;
 
@@ -61,11 +61,7 @@ pub(super) fn attach_by_windows(
     let flexible = Flexible::new(&without, &smaller.regions, energies);
     let whole = Flexible::new(part, &regions, energies);
     let free_angstrom = free_angstrom(arrangement, part);
-    let ladder = Windows::new(
-        INNERMOST * settings.limit_angstrom,
-        free_angstrom,
-        windows.windows,
-    );
+    let ladder = Windows::new(settings.limit_angstrom, free_angstrom, windows.windows);
     let one = |(run_number, before): (usize, &Run)| -> Result<Option<Separated>> {
         let pulled = Pulled {
             part,
@@ -82,7 +78,7 @@ pub(super) fn attach_by_windows(
             CounterRng::for_purpose(settings.seed, stream, step, Purpose::PartWindows)
         };
         let ln_room = ln_room(&pulled, &mut stream(u64::MAX))?;
-        let simulated = pulled.simulated(run_number % 2 == 0, &stream, goes_on);
+        let simulated = pulled.simulated(run_number % 2 == 0, &stream, goes_on)?;
         let Some(simulated) = simulated else {
             return Ok(None);
         };
@@ -199,18 +195,17 @@ fn ln_room(pulled: &Pulled<'_>, rng: &mut CounterRng) -> Result<f64> {
     Ok((volume * share).ln())
 }
 
-/// Refuses windows whose neighbours never exchanged their states.
+/// Refuses windows between which no exchanges lead from the bound part to the free body.
 fn require_exchanges(simulated: &Simulated, windows: &Windows) -> Result<()> {
-    let apart = simulated.exchanged.iter().position(|share| *share == 0.0);
-    match apart {
-        None => Ok(()),
-        Some(window) => Err(McError::BadSystem(format!(
-            "the windows at displacements of {:.1} and {:.1} Å have no states in common: none of their exchanges was \
-             accepted; give more windows (--windows) or more sweeps (--sweeps)",
-            windows.displacement_angstrom(window),
-            windows.displacement_angstrom(window + 1)
-        ))),
+    let narrowest = windows.narrowest_link(&simulated.exchanged);
+    if simulated.exchanged[narrowest] > 0.0 {
+        return Ok(());
     }
+    let [first, second] = windows.links[narrowest].map(|window| windows.name(window));
+    Err(McError::BadSystem(format!(
+        "the windows at {first} and at {second} have no states in common: none of their exchanges was accepted; give more \
+         windows (--windows) or more sweeps (--sweeps)"
+    )))
 }
 
 /// Standard error of the logarithm of a ratio, from leaving out one block of the frames at a time.
@@ -245,19 +240,25 @@ impl<'a> Weighing<'a> {
     fn new(by_window: &'a [Vec<Frame>], windows: &Windows, region: &Region) -> Result<Self> {
         let counts: Vec<usize> = by_window.iter().map(Vec::len).collect();
         let frames: Vec<&Frame> = by_window.iter().flatten().collect();
-        let biases = |window: usize| -> Vec<f64> {
-            let of_frame = |frame: &&Frame| windows.bias_kt(window, frame.displacement_angstrom);
-            frames.iter().map(of_frame).collect()
+        // All windows share the energies of the bodies before the last one.
+        let energies = |window: usize| -> Vec<f64> {
+            let energy_kt = |frame: &&Frame| {
+                let kt = windows.energy_kt(window, frame.displacement_angstrom, frame.meeting_kt);
+                kt.min(FORBIDDEN_KT)
+            };
+            frames.iter().map(energy_kt).collect()
         };
-        // All windows share the energies of the bodies, so only biases and what the two ends add count.
-        let biases_kt: Vec<Vec<f64>> = (0..windows.count()).map(biases).collect();
-        let mixture = Mixture::solve(&biases_kt, &counts)?;
+        let energies_kt: Vec<Vec<f64>> = (0..windows.count()).map(energies).collect();
+        let mixture = Mixture::solve(&energies_kt, &counts)?;
         let only = |is_in: bool, kt: f64| if is_in { kt } else { f64::INFINITY };
         let limit_angstrom = region.limit_angstrom;
-        let bound = |frame: &&Frame| only(frame.displacement_angstrom < limit_angstrom, 0.0);
+        let bound = |frame: &&Frame| {
+            let is_bound = frame.displacement_angstrom < limit_angstrom;
+            only(is_bound, frame.meeting_kt)
+        };
         let free = |frame: &&Frame| {
             let is_free = frame.displacement_angstrom >= windows.free_angstrom[0];
-            only(is_free, -frame.meeting_kt)
+            only(is_free, 0.0)
         };
         let weighing = Self {
             bound_kt: frames.iter().map(bound).collect(),
@@ -309,16 +310,11 @@ impl<'a> Weighing<'a> {
     }
 
     fn found(&self, simulated: &Simulated, windows: &Windows) -> WindowsFound {
-        let (mut least, mut place) = (f64::INFINITY, 0);
-        for (window, share) in simulated.exchanged.iter().enumerate() {
-            if *share < least {
-                (least, place) = (*share, window);
-            }
-        }
+        let narrowest = windows.narrowest_link(&simulated.exchanged);
         let ones = vec![1.0; self.frames.len()];
         WindowsFound {
-            least_exchanged: least,
-            least_exchanged_angstrom: windows.displacement_angstrom(place),
+            least_exchanged: simulated.exchanged[narrowest],
+            least_exchanged_angstrom: windows.displacement_angstrom(windows.links[narrowest][0]),
             round_trips: simulated.round_trips,
             bound_frames: self.mean_bound(|_| 1.0).1,
             free_frames: self.mixture.average(&self.free_kt, &ones).effective_frames,

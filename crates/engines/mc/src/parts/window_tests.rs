@@ -1,6 +1,7 @@
-//! Umbrella windows against quadrature and against growth.
+//! Windows against quadrature and against growth.
 
 use super::tests::{ring, with_neighbours};
+use super::windows::Windows;
 use super::*;
 use crate::McError;
 use crate::pair::region::Region;
@@ -10,11 +11,18 @@ const DEPTH_KT: f64 = 14.0;
 const WIDTH_ANGSTROM: f64 = 1.2;
 const NEAREST_ANGSTROM: f64 = 10.0;
 
-/// Hard balls with a well about each place next to a neighbour: -D exp(-d²/2w²) of the displacement d.
+/// Hard balls with a well about each place next to a neighbour: -D exp(-d²/2w²) of the displacement d. Where they touch in
+/// other places, beyond the limit of the well, they may stick.
 struct Wells<'a> {
     arrangement: &'a Arrangement,
     depth_kt: f64,
+    sticks_kt: f64,
 }
+
+/// Range in which balls touch, Å.
+const TOUCHING_ANGSTROM: f64 = 1.5;
+/// Limit of a well, Å.
+const LIMIT_ANGSTROM: f64 = 5.0;
 
 impl Wells<'_> {
     fn region(&self, (i, j): (usize, usize)) -> Region {
@@ -22,7 +30,7 @@ impl Wells<'_> {
         Region {
             about: bodies[j].pose.then(&bodies[i].pose.inverse()),
             square_of_gyration_angstrom2: bodies[j].square_of_gyration_angstrom2,
-            limit_angstrom: 5.0,
+            limit_angstrom: LIMIT_ANGSTROM,
         }
     }
 
@@ -48,7 +56,12 @@ impl BodyEnergies for Wells<'_> {
         };
         let region = self.region((i, j));
         let place = region.place(&b.then(&a.inverse()));
-        self.well_kt(region.square_displacement(&place))
+        let square_angstrom2 = region.square_displacement(&place);
+        let gap_angstrom = (a.position - b.position).norm() - NEAREST_ANGSTROM;
+        if square_angstrom2 > LIMIT_ANGSTROM.powi(2) && gap_angstrom < TOUCHING_ANGSTROM {
+            return -self.sticks_kt;
+        }
+        self.well_kt(square_angstrom2)
     }
 }
 
@@ -118,6 +131,7 @@ fn windows_of_a_pair_have_the_integral_by_quadrature() {
         let wells = Wells {
             arrangement: &pair,
             depth_kt,
+            sticks_kt: 0.0,
         };
         let found = *partitions(&wells, &windows()).unwrap().last().unwrap();
         let exact = ln_by_quadrature(&wells);
@@ -131,6 +145,39 @@ fn windows_of_a_pair_have_the_integral_by_quadrature() {
     }
 }
 
+/// A body that is pulled over a surface that holds it 25 kT deep would stay there.
+#[test]
+fn windows_lead_around_deep_contacts_in_other_places() {
+    let pair = with_neighbours(ring(8, 1).bodies[..2].to_vec(), |_, _| true);
+    let wells = Wells {
+        arrangement: &pair,
+        depth_kt: DEPTH_KT,
+        sticks_kt: 25.0,
+    };
+    let found = *partitions(&wells, &windows()).unwrap().last().unwrap();
+    let deviation = (found.ln_partition - ln_by_quadrature(&wells)) / found.ln_partition_error;
+    assert!(found.ln_partition_error < 0.35, "{found:?}");
+    assert!(deviation.abs() < 3.0, "{found:?} {deviation}");
+    assert!(found.windows.unwrap().round_trips > 10, "{found:?}");
+}
+
+/// The link that holds up the best way is that of the smallest share on it; a worse way around it does not count.
+#[test]
+fn the_narrowest_link_is_on_the_best_way() {
+    let windows = Windows::new(LIMIT_ANGSTROM, [40.0, 50.0], 12);
+    let links = windows.links.len();
+    // Two windows confine, two decouple in place and six release; two more decouple within the limit.
+    assert_eq!((windows.free_window, links), (9, 9 + 3));
+    let mut exchanged = vec![0.5; links];
+    exchanged[8] = 0.2;
+    assert_eq!(windows.narrowest_link(&exchanged), 8);
+    // The place itself cannot be left, but there is the way within the limit.
+    exchanged[1] = 0.0;
+    assert_eq!(windows.narrowest_link(&exchanged), 8);
+    exchanged[10] = 0.1;
+    assert_eq!(windows.narrowest_link(&exchanged), 10);
+}
+
 #[test]
 #[ignore = "takes 18 s of processor time; run by name"]
 fn windows_of_a_chain_and_of_rings_have_the_integrals_of_growth() {
@@ -139,6 +186,7 @@ fn windows_of_a_chain_and_of_rings_have_the_integrals_of_growth() {
         let wells = Wells {
             arrangement: &ring,
             depth_kt: DEPTH_KT,
+            sticks_kt: 0.0,
         };
         let grown = partitions(&wells, &settings(None)).unwrap();
         let pulled = partitions(&wells, &windows()).unwrap();
@@ -160,6 +208,7 @@ fn windows_that_have_nothing_in_common_are_refused() {
     let wells = Wells {
         arrangement: &pair,
         depth_kt: 300.0,
+        sticks_kt: 0.0,
     };
     let few = settings(Some(WindowSettings {
         windows: 4,

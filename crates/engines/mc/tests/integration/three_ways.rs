@@ -1,4 +1,4 @@
-//! A dimer, a trimer and a ring of four patchy cubes by three ways: nested sampling, umbrella windows, and a plain simulation in
+//! A dimer, a trimer and a ring of four patchy cubes by three ways: nested sampling, windows, and a plain simulation in
 //! which the last body comes and goes.
 
 use crate::parts::{Cubes, LIMIT_ANGSTROM, patchy, ring};
