@@ -74,6 +74,7 @@ fn a_ring_falls_apart_with_salt_and_says_where() {
     let half = found["half_salt_molar"].as_f64().unwrap();
     let interval = found["half_salt_interval_molar"].as_array().unwrap();
     assert!(interval[0].as_f64().unwrap() < half && half < interval[1].as_f64().unwrap());
+    half_of_the_bodies_are_bound_where_the_shares_cross(&found);
     // Single body, neighbours, opposite corners, three, and the ring with its four rotations.
     let symmetries: Vec<u64> = found["parts"]
         .as_array()
@@ -121,7 +122,34 @@ fn a_ring_falls_apart_with_salt_and_says_where() {
     );
 }
 
-/// Umbrella windows and nested sampling are two ways to one number.
+/// The first part is the single body, and salts rise.
+fn half_of_the_bodies_are_bound_where_the_shares_cross(found: &Value) {
+    let conditions = found["conditions"].as_array().unwrap();
+    let mut crossings = 0;
+    for (number, half) in found["half_salts"].as_array().unwrap().iter().enumerate() {
+        let bound = |row: &Value| 1.0 - row["mixtures"][number]["shares"][0].as_f64().unwrap();
+        let between = conditions
+            .windows(2)
+            .find(|rows| bound(&rows[0]) > 0.5 && bound(&rows[1]) < 0.5);
+        match (between, half["half_bound_salt_molar"].as_f64()) {
+            (Some(rows), Some(salt_molar)) => {
+                let [low, high] = [&rows[0], &rows[1]].map(|row| row["salt_M"].as_f64().unwrap());
+                assert!(low < salt_molar && salt_molar < high, "{half}");
+                assert!(
+                    half["half_salt_molar"]
+                        .as_f64()
+                        .is_none_or(|whole| whole < salt_molar)
+                );
+                crossings += 1;
+            }
+            (None, None) => {}
+            _ => panic!("{half}"),
+        }
+    }
+    assert!(crossings > 0, "{found}");
+}
+
+/// Windows and nested sampling are two ways to one number.
 #[test]
 fn a_biased_simulation_has_the_free_energy_of_mass_action() {
     let place = patchy();
@@ -132,7 +160,7 @@ fn a_biased_simulation_has_the_free_energy_of_mass_action() {
     );
     let pulled = answer(
         &place,
-        &format!("stability pair.json --way biased --sweeps 12000 --runs 4 -o pulled {common}"),
+        &format!("stability pair.json --way biased --sweeps 5000 --runs 4 -o pulled {common}"),
     );
     assert_eq!(pulled["way"], "biased simulation");
     assert_eq!(pulled["equilibrated"], "yes", "{}", pulled["equilibration"]);
@@ -171,7 +199,8 @@ fn a_biased_simulation_has_the_free_energy_of_mass_action() {
 #[test]
 fn equal_seeds_give_equal_bytes_with_any_threads_and_after_a_stop() {
     let place = patchy();
-    let command = format!("stability ring.json --salt 500mM,1M {QUICK}");
+    let command =
+        "stability ring.json --salt 500mM,1M --model thesis --live-states 20 --runs 2 -q --json";
     is_ok(&place.run(&format!("{command} -o whole -j 2")));
     // Stopped again and again, until it is done: a stop loses the part that was begun, so each try has more time.
     let (mut minutes, mut stops) = (0.003, 0);
@@ -184,7 +213,7 @@ fn equal_seeds_give_equal_bytes_with_any_threads_and_after_a_stop() {
             break;
         }
         stops += 1;
-        minutes *= 1.3;
+        minutes *= 1.6;
     }
     assert!(stops > 0);
     let files = |name: &str| {

@@ -83,7 +83,7 @@ pub struct StabilityArgs {
     /// Way to the partition functions of the parts.
     #[arg(long, value_parser = choice::<Way>(), default_value = Way::MassAction.name())]
     way: Way,
-    /// Umbrella windows between a part and a free body, for --way biased [default: 24].
+    /// Windows between a part and a free body, for --way biased [default: 24].
     #[arg(long, value_parser = range::OBJECTS.at_least(4).number::<usize>())]
     windows: Option<usize>,
     /// Sweeps of each window, for --way biased [default: 4000].
@@ -173,7 +173,7 @@ impl StabilityArgs {
         self.model.model().unwrap_or(Model::Natural1)
     }
 
-    /// Umbrella windows, if the way has them.
+    /// Windows, if the way has them.
     fn windows(&self) -> Result<Option<WindowSettings>> {
         let usual = WindowSettings::default();
         if self.way == Way::Biased {

@@ -23,6 +23,7 @@ impl Answer for StabilityResult {
             self.table(),
             self.parts_in_words(),
             self.headline(),
+            self.half_bound_in_words(),
             self.box_in_words(),
             format!("model: {}", self.model),
         ];

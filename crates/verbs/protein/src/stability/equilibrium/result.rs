@@ -4,7 +4,7 @@ use super::box_proposal::proposed_box_angstrom;
 use super::condition::{ConditionParts, MOST_AT_LIMIT, PartFound};
 use super::input::StabilityBodies;
 use super::plan::Plan;
-use super::yields::{Interval, Mixture, PartLogs, half_salt};
+use super::yields::{Counted, Interval, Mixture, PartLogs, half_salt};
 use super::{StabilitySettings, Way};
 use anyhow::Result;
 use protomer_mc::parts::{PartKind, WindowsFound};
@@ -52,6 +52,13 @@ pub struct StabilityResult {
     pub half_salt_molar: Option<f64>,
     /// Interval of 95 % of `half_salt_molar`, mol/L.
     pub half_salt_interval_molar: Option<[Option<f64>; 2]>,
+    /// Salt at which half of the bodies are in parts of any size, at the first pH and concentration, mol/L; `None` if that is
+    /// at no salt between those of the table.
+    #[serde(default)]
+    pub half_bound_salt_molar: Option<f64>,
+    /// Interval of 95 % of `half_bound_salt_molar`, mol/L.
+    #[serde(default)]
+    pub half_bound_salt_interval_molar: Option<[Option<f64>; 2]>,
     /// Share of the bodies in whole assemblies by salt, at the first pH and concentration.
     #[serde(rename = "yield")]
     pub whole: Vec<f64>,
@@ -94,6 +101,12 @@ pub struct HalfSaltRow {
     pub half_salt_molar: Option<f64>,
     /// Interval of 95 %, mol/L.
     pub half_salt_interval_molar: Option<[Option<f64>; 2]>,
+    /// Salt at which half of the bodies are in parts of any size, mol/L; null as above.
+    #[serde(default)]
+    pub half_bound_salt_molar: Option<f64>,
+    /// Interval of 95 %, mol/L.
+    #[serde(default)]
+    pub half_bound_salt_interval_molar: Option<[Option<f64>; 2]>,
 }
 
 /// A part of the assembly, one for all that motions map onto it.
@@ -142,7 +155,7 @@ pub struct PartAtCondition {
     pub share_at_limit: Option<f64>,
     /// The limit, Å.
     pub limit_angstrom: Option<f64>,
-    /// Connection of the umbrella windows, where the way has them.
+    /// Connection of the windows, where the way has them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub windows: Option<WindowsFound>,
 }
@@ -250,6 +263,9 @@ impl StabilityResult {
             equilibration: String::new(),
             half_salt_molar: first.and_then(|row| row.half_salt_molar),
             half_salt_interval_molar: first.and_then(|row| row.half_salt_interval_molar),
+            half_bound_salt_molar: first.and_then(|row| row.half_bound_salt_molar),
+            half_bound_salt_interval_molar: first
+                .and_then(|row| row.half_bound_salt_interval_molar),
             whole: of_first.iter().map(|mixture| mixture.whole).collect(),
             whole_error: of_first.iter().map(|mixture| mixture.whole_error).collect(),
             half_salts,
@@ -270,17 +286,10 @@ impl StabilityResult {
     pub fn headline(&self) -> String {
         let concentration = concentration_in_words(self.settings.concentration_molar[0]);
         match (self.half_salt_molar, self.half_salt_interval_molar) {
-            (Some(salt_molar), Some([low, high])) => {
-                let end = |end: Option<f64>| {
-                    end.map_or("open".into(), |molar| format!("{:.0}", 1e3 * molar))
-                };
-                format!(
-                    "half of the bodies are in whole assemblies at {:.0} mM of salt (95 %: {} to {} mM), at {concentration} of bodies",
-                    1e3 * salt_molar,
-                    end(low),
-                    end(high)
-                )
-            }
+            (Some(salt_molar), Some(interval)) => format!(
+                "half of the bodies are in whole assemblies at {}, at {concentration} of bodies",
+                salt_with_interval(salt_molar, interval)
+            ),
             _ => {
                 let low = self.whole.iter().copied().fold(f64::INFINITY, f64::min);
                 let high = self.whole.iter().copied().fold(0.0, f64::max);
@@ -297,6 +306,34 @@ impl StabilityResult {
             }
         }
     }
+}
+
+impl StabilityResult {
+    /// Salt at which half of the bodies are bound in words; empty for a pair, whose only part is the whole.
+    pub fn half_bound_in_words(&self) -> String {
+        let concentration = concentration_in_words(self.settings.concentration_molar[0]);
+        match (
+            self.half_bound_salt_molar,
+            self.half_bound_salt_interval_molar,
+        ) {
+            (Some(salt_molar), Some(interval)) if self.bodies > 2 => format!(
+                "half of the bodies are bound, in parts of any size, at {}, at {concentration} of bodies",
+                salt_with_interval(salt_molar, interval)
+            ),
+            _ => String::new(),
+        }
+    }
+}
+
+/// A salt concentration with its interval of 95 % in words.
+fn salt_with_interval(salt_molar: f64, [low, high]: [Option<f64>; 2]) -> String {
+    let end = |end: Option<f64>| end.map_or("open".into(), |molar| format!("{:.0}", 1e3 * molar));
+    format!(
+        "{:.0} mM of salt (95 %: {} to {} mM)",
+        1e3 * salt_molar,
+        end(low),
+        end(high)
+    )
 }
 
 /// A concentration with the unit that suits it.
@@ -337,13 +374,22 @@ fn half_salts(
             settings.salt_molar.iter().enumerate().map(logs).collect();
         of_ph.sort_by(|a, b| a.0.total_cmp(&b.0));
         for concentration_molar in &settings.concentration_molar {
-            let half: Option<Interval> =
-                half_salt(&of_ph, *concentration_molar, settings.sampling.seed);
+            let half = |counted: Counted| -> Option<Interval> {
+                half_salt(
+                    &of_ph,
+                    counted,
+                    *concentration_molar,
+                    settings.sampling.seed,
+                )
+            };
+            let (whole, bound) = (half(Counted::Whole), half(Counted::Bound));
             rows.push(HalfSaltRow {
                 ph: *ph,
                 concentration_molar: *concentration_molar,
-                half_salt_molar: half.map(|half| half.value),
-                half_salt_interval_molar: half.map(|half| half.interval),
+                half_salt_molar: whole.map(|half| half.value),
+                half_salt_interval_molar: whole.map(|half| half.interval),
+                half_bound_salt_molar: bound.map(|half| half.value),
+                half_bound_salt_interval_molar: bound.map(|half| half.interval),
             });
         }
     }
@@ -409,8 +455,8 @@ fn reason(plan: &Plan, settings: &StabilitySettings) -> String {
              part"
         ),
         Some(windows) => format!(
-            "the assembly has {bodies} bodies, and from {all} ({count}) one body is pulled out in {} umbrella windows that \
-             exchange states; mass action weighs the parts",
+            "the assembly has {bodies} bodies, and from {all} ({count}) one body is taken away in {} windows that exchange \
+             states; mass action weighs the parts",
             windows.windows
         ),
     }

@@ -90,7 +90,7 @@ protomer_kernel::choices! {
     pub enum Way, default MassAction {
         /// Nested sampling of each part, body by body.
         MassAction = "mass-action",
-        /// Simulations in umbrella windows, in which the last body of each part is pulled out and comes back.
+        /// Simulations in windows, in which the last body of each part is taken away and comes back.
         Biased = "biased",
     }
 }

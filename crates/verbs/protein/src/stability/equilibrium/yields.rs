@@ -46,6 +46,15 @@ pub struct Interval {
     pub interval: [Option<f64>; 2],
 }
 
+/// Bodies whose share falls to one half.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Counted {
+    /// Bodies in whole assemblies.
+    Whole,
+    /// Bodies in parts of any size but one.
+    Bound,
+}
+
 /// Parts at one condition with their logarithms of partition functions.
 pub(super) struct PartLogs<'a> {
     parts: &'a [PartKind],
@@ -149,9 +158,20 @@ impl<'a> PartLogs<'a> {
         self.parts.iter().zip(concentrations).map(share).collect()
     }
 
-    fn whole(&self, ln_partition: &[f64], concentration_molar: f64) -> f64 {
+    fn share(&self, counted: Counted, ln_partition: &[f64], concentration_molar: f64) -> f64 {
         let shares = self.shares(ln_partition, concentration_molar);
-        shares.last().copied().unwrap_or_default()
+        match counted {
+            Counted::Whole => shares.last().copied().unwrap_or_default(),
+            Counted::Bound => {
+                let parts = self.parts.iter().zip(shares);
+                let bound = parts.filter(|(part, _)| part.bodies.len() > 1);
+                bound.map(|(_, share)| share).sum()
+            }
+        }
+    }
+
+    fn whole(&self, ln_partition: &[f64], concentration_molar: f64) -> f64 {
+        self.share(Counted::Whole, ln_partition, concentration_molar)
     }
 
     /// The mixture at a total concentration.
@@ -205,32 +225,32 @@ impl<'a> PartLogs<'a> {
     }
 }
 
-/// Salt at which half of the bodies are in whole assemblies, mol/L, by the partition functions at several salts in
+/// Salt at which half of the bodies are in whole assemblies, or bound, mol/L, by the partition functions at several salts in
 /// rising order, whose logarithms are linear in that of the salt between them.
 pub(super) fn half_salt(
     conditions: &[(f64, PartLogs<'_>)],
+    counted: Counted,
     concentration_molar: f64,
     seed: u64,
 ) -> Option<Interval> {
     let logs = |condition: &(f64, PartLogs<'_>)| condition.1.ln_partition.clone();
     let present: Vec<Vec<f64>> = conditions.iter().map(logs).collect();
-    let value = crossing_salt(conditions, &present, concentration_molar)?;
+    let value = crossing_salt(conditions, counted, &present, concentration_molar)?;
     let drawn = (0..DRAWS).map(|draw| {
         let logs: Vec<Vec<f64>> = conditions
             .iter()
             .map(|(_, parts)| parts.drawn(seed, draw))
             .collect();
-        match crossing_salt(conditions, &logs, concentration_molar) {
+        match crossing_salt(conditions, counted, &logs, concentration_molar) {
             Some(salt_molar) => salt_molar,
             // On the side to which the first salt points.
             None => {
-                let whole = |number: usize| {
-                    conditions[number]
-                        .1
-                        .whole(&logs[number], concentration_molar)
+                let share = |number: usize| {
+                    let parts: &PartLogs<'_> = &conditions[number].1;
+                    parts.share(counted, &logs[number], concentration_molar)
                 };
-                let falls = whole(0) >= whole(conditions.len() - 1);
-                let is_high = whole(0) > 0.5;
+                let falls = share(0) >= share(conditions.len() - 1);
+                let is_high = share(0) > 0.5;
                 if is_high == falls {
                     f64::INFINITY
                 } else {
@@ -247,17 +267,17 @@ pub(super) fn half_salt(
 
 fn crossing_salt(
     conditions: &[(f64, PartLogs<'_>)],
+    counted: Counted,
     logs: &[Vec<f64>],
     concentration_molar: f64,
 ) -> Option<f64> {
-    let whole = |number: usize| {
-        conditions[number]
-            .1
-            .whole(&logs[number], concentration_molar)
+    let share = |number: usize| {
+        let parts: &PartLogs<'_> = &conditions[number].1;
+        parts.share(counted, &logs[number], concentration_molar)
     };
-    let wholes: Vec<f64> = (0..conditions.len()).map(whole).collect();
+    let shares: Vec<f64> = (0..conditions.len()).map(share).collect();
     let between = (0..conditions.len().saturating_sub(1))
-        .find(|number| (wholes[*number] < 0.5) != (wholes[number + 1] < 0.5))?;
+        .find(|number| (shares[*number] < 0.5) != (shares[number + 1] < 0.5))?;
     let parts = &conditions[between].1;
     let mixed = |part: f64| -> Vec<f64> {
         let both = logs[between].iter().zip(&logs[between + 1]);
@@ -267,11 +287,12 @@ fn crossing_salt(
         })
         .collect()
     };
-    let starts_low = wholes[between] < 0.5;
+    let starts_low = shares[between] < 0.5;
     let (mut low, mut high) = (0.0, 1.0);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);
-        match (parts.whole(&mixed(middle), concentration_molar) < 0.5) == starts_low {
+        let share = parts.share(counted, &mixed(middle), concentration_molar);
+        match (share < 0.5) == starts_low {
             true => low = middle,
             false => high = middle,
         }
