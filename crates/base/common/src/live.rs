@@ -216,7 +216,6 @@ pub fn refuse_others(arrays: &Arrays, columns: &[Column]) -> Result<()> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

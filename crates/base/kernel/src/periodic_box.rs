@@ -554,7 +554,6 @@ fn wrapped(x: f64, edge: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::random::CounterRng;

@@ -234,7 +234,6 @@ fn level_bend(rise: f64, distance: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};

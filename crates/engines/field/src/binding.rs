@@ -414,7 +414,6 @@ impl<'a> OnGrids<'a> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

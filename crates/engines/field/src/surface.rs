@@ -177,7 +177,6 @@ impl ImplicitSolid for SphereUnion {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use protomer_kernel::random::CounterRng;
 

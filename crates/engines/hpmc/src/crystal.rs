@@ -769,7 +769,6 @@ fn repeats<const D: usize>(edges: &[f64; D], cells: usize) -> [usize; D] {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::shape::{Shape, builders::by_name};

@@ -235,7 +235,6 @@ impl<const D: usize> System<D> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::body::HardBody;

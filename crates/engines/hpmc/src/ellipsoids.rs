@@ -189,7 +189,6 @@ impl<const D: usize> Factor<D> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::body::HardBody;

@@ -288,7 +288,6 @@ impl PhaseCurves {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::free_volume_theory::Mixture;

@@ -415,7 +415,6 @@ fn thin_corners<const D: usize>(shape: &Shape) -> (Vec<[f64; D]>, [f64; D]) {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use crate::body::HardBody;
     use protomer_kernel::random::{CounterRng, Purpose};

@@ -213,7 +213,6 @@ impl Polynomial {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::random::CounterRng;

@@ -493,7 +493,6 @@ impl<'a, const D: usize> Compressor<'a, D> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::shape::Shape;

@@ -339,7 +339,6 @@ pub(crate) fn frame(first: &Vec3, second: &Vec3) -> Matrix3<f64> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::random::Purpose;

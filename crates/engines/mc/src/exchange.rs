@@ -264,7 +264,6 @@ fn require_alike(rungs: &[Simulation]) -> Result<()> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::test_support::octahedron;

@@ -106,7 +106,6 @@ fn retain_within(system: &System, places: &[Vec3], angstrom: f64, bodies: &mut V
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::BodyType;

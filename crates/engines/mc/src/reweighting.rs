@@ -229,7 +229,6 @@ fn ln_sum_exp(exponents: impl Iterator<Item = f64> + Clone) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::random::CounterRng;

@@ -79,7 +79,6 @@ fn random_pose(boundary: &Boundary, rng: &mut CounterRng) -> Pose {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::BodyType;

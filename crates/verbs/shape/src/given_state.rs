@@ -255,7 +255,6 @@ fn arrays_of(simulation: &dyn Live) -> Arrays {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use serde_json::json;

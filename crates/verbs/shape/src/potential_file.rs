@@ -103,7 +103,6 @@ fn read_table(path: &Path, columns: [&str; 2]) -> Result<(Vec<f64>, Vec<f64>)> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -182,7 +182,6 @@ impl Statistics {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn volume(first_x: f64) -> Volume {

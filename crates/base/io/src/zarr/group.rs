@@ -151,7 +151,6 @@ pub(super) fn names(path: &Path) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::super::layout;
     use super::*;
     use serde_json::{Map, json};

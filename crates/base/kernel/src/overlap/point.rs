@@ -90,7 +90,6 @@ fn squared_distance([a, b, c]: &Triangle, point: &Vec3) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::TriangleMesh;

@@ -349,7 +349,6 @@ fn in_space<const D: usize>(vector: &[f64; D]) -> Vec3 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::random::CounterRng;

@@ -159,7 +159,6 @@ fn regular(number: u32, radius: f64) -> Vec<[f64; 2]> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::measures::Measures;
     use super::*;

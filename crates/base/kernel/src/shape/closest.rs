@@ -253,7 +253,6 @@ impl Nearest {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::panic)]
 mod tests {
     use super::super::builders::by_name;
     use super::super::polytope::Polytope;

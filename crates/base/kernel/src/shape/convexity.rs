@@ -152,7 +152,6 @@ fn require_equal(quantity: &str, of_mesh: f64, of_hull: f64) -> Result<()> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::builders::by_name;
     use super::*;

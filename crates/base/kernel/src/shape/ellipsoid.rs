@@ -137,7 +137,6 @@ fn duplication([x, y, z]: &[f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn assert_near(found: f64, expected: f64) {

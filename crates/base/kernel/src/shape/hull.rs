@@ -257,7 +257,6 @@ fn edges_of([a, b, c]: &[usize; 3]) -> [(usize, usize); 3] {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::panic)]
 mod tests {
     use super::*;
     use crate::random::CounterRng;

@@ -207,7 +207,6 @@ fn mean_curvature(mesh: &TriangleMesh) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::builders::by_name;
     use super::*;

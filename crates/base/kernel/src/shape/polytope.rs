@@ -300,7 +300,6 @@ fn rim(mesh: &TriangleMesh, triangles: &[usize]) -> Vec<usize> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::builders::by_name;
     use super::*;

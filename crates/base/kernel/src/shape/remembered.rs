@@ -181,7 +181,6 @@ impl Walk {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::panic)]
 mod tests {
     use super::super::builders::by_name;
     use super::super::closest::closest_points;

@@ -1,5 +1,4 @@
 //! The factorisation against dense elimination and against its slow twin.
-#![allow(clippy::unwrap_used)]
 
 use super::factorisation::factor_fronts;
 use super::solution::solve_fronts;

@@ -307,7 +307,6 @@ fn in_assembly(
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::structure::{SelectionSettings, Structure};

@@ -158,7 +158,6 @@ fn side_chain_role(amino_acid: AminoAcid, atom_name: &str) -> Option<Role> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::{BodySettings, Source, build_body};

@@ -136,7 +136,6 @@ impl ImplicitSolid for Placed<'_> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::surface::ExactSurface;
     use protomer_kernel::random::CounterRng;

@@ -100,7 +100,6 @@ fn lower_envelope(f: &[f32]) -> Vec<f32> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::Vec3;

@@ -152,7 +152,6 @@ fn subtract_scaled(x: &mut [f32], factor: f32, y: &[f32]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use protomer_kernel::random::CounterRng;
 

@@ -304,7 +304,6 @@ fn cube(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::charged_sphere::{ChargedSphere, bounds};
     use crate::surface::{SurfaceDefinition, surface_of};

@@ -44,7 +44,6 @@ pub fn error_estimate_kt(
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use protomer_kernel::{Electrolyte, Vec3};
 

@@ -165,7 +165,6 @@ impl Patch {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::{ChargedSphere, DielectricModel};
     use protomer_kernel::Electrolyte;

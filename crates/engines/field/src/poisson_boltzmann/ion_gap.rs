@@ -143,7 +143,6 @@ fn points_within(
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use protomer_kernel::Vec3;
     use protomer_kernel::random::CounterRng;

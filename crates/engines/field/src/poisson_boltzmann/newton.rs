@@ -227,7 +227,6 @@ fn add_scaled(values: &mut [f64], factor: f64, step: &[f64]) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     /// Gouy and Chapman: a plane of potential φ₀ in a 1:1 salt has, at x/κ from it,

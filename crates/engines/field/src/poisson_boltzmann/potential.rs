@@ -246,7 +246,6 @@ impl Potential {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use crate::{ChargedSphere, DielectricModel, SolveSettings, solve};
     use protomer_kernel::{Electrolyte, Vec3};
 

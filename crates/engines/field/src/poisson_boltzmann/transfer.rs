@@ -245,7 +245,6 @@ fn add_between(row: &[f32], fine: &mut [f32]) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use protomer_kernel::random::CounterRng;
 

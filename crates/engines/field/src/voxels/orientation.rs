@@ -83,7 +83,6 @@ pub fn principal_axes(positions: &[Vec3]) -> (Rotation, [f64; 3]) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn cloud() -> Vec<Vec3> {

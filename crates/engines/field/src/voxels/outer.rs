@@ -124,7 +124,6 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::poisson_boltzmann::{SolveSettings, solve};
     use crate::{ChargedSphere, DielectricModel};

@@ -142,7 +142,6 @@ fn layers_between(lattice: &Lattice, low: f64, high: f64) -> Range<usize> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::charged_sphere::ChargedSphere;
     use crate::surface::{SurfaceDefinition, surface_of};

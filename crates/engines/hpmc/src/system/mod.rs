@@ -22,7 +22,6 @@ mod overlaps;
 mod room;
 mod steps;
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests;
 
 pub(crate) use deformation::Deformation;

@@ -234,7 +234,6 @@ pub fn slope(
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     /// The Hénon map, a = 1.4 and b = 0.3: an exponent of 0.4192.

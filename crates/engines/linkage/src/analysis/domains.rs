@@ -204,7 +204,6 @@ impl SideCorrelation {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::lattice::{Edges, Square, State};
     use protomer_kernel::random::CounterRng;

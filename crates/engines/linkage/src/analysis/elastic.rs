@@ -295,7 +295,6 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use nalgebra::{Matrix3, Vector3};
     use protomer_kernel::random::CounterRng;

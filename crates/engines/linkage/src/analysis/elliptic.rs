@@ -132,7 +132,6 @@ pub fn carlson_rd(mut x: f64, mut y: f64, mut z: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use std::f64::consts::FRAC_PI_4;
 

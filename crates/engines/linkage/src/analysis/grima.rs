@@ -194,7 +194,6 @@ impl CoherentOrbit {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use std::f64::consts::PI;
 

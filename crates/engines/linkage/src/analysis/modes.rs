@@ -199,7 +199,6 @@ pub fn spread_of_magnitudes(positions: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::lattice::{Edges, Square};
 

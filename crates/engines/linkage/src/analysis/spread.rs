@@ -116,7 +116,6 @@ impl FirstMaximum {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]

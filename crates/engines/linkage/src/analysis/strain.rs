@@ -255,7 +255,6 @@ fn mean_strain(strains: &[[f64; 2]]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::lattice::{Edges, Square, State};
     use protomer_kernel::random::CounterRng;

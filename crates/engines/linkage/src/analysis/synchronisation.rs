@@ -326,7 +326,6 @@ pub fn leading_eigenvalue(matrix: &DMatrix<Complex<f64>>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use protomer_kernel::random::CounterRng;
 

@@ -390,7 +390,6 @@ pub(crate) fn spacing(rod_length: f64, half_diagonal: f64, angle: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::lattice::State;
 

@@ -417,7 +417,6 @@ fn sum_of_squares(velocities: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::lattice::{Corner, Dynamics, Edges, Rod, Square};
     use std::sync::Arc;

@@ -144,7 +144,6 @@ fn round_down(step: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::lattice::{Plan, Start, StartVelocities};

@@ -33,5 +33,4 @@ pub use state::{
 };
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests;

@@ -115,7 +115,6 @@ fn field_of(charges: &[(Vec3, f64)], yukawa: &Yukawa, place: &Vec3) -> [f32; 4] 
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -193,7 +193,6 @@ impl Voxels {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::TriangleMesh;

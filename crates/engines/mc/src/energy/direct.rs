@@ -239,7 +239,6 @@ impl EnergyModel for DirectSum {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::test_support::tetrahedron;

@@ -262,7 +262,6 @@ fn harmonics(place: &Vec3) -> Vec<[f64; 2]> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::energy::pair_energy_kt;

@@ -107,7 +107,6 @@ impl SitePotential for Yukawa {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -188,7 +188,6 @@ pub(crate) fn require_room(system: &System, potential: &Yukawa) -> Result<()> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::random::CounterRng;

@@ -251,7 +251,6 @@ fn transform(group: &BeadGroup, centre: Vec3, relative: &RelativePose) -> BeadGr
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_body::residue_contacts::Bead;

@@ -1,6 +1,5 @@
 //! Every move that forms and dissolves contacts leaves known distributions unchanged, and a fault in
 //! each acceptance rule is noticed.
-#![allow(clippy::unwrap_used)]
 
 use super::BindingMove;
 use super::contact_turn;

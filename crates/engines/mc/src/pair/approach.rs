@@ -52,7 +52,6 @@ pub fn contact_distance_angstrom(pair: &BodyPair, orientation: &Orientation) -> 
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::Terms;
     use super::*;

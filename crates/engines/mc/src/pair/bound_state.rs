@@ -242,7 +242,6 @@ impl Region {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use nalgebra::UnitQuaternion;

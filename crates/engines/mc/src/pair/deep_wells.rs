@@ -347,7 +347,6 @@ impl Regions<'_> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::BodyType;

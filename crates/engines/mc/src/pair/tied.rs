@@ -165,7 +165,6 @@ fn average_kt(energies: impl Iterator<Item = Option<f64>>) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::BodyType;

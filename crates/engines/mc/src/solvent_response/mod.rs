@@ -15,7 +15,6 @@ mod blocks;
 mod lookup;
 mod quadratics;
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests;
 
 use crate::Result;

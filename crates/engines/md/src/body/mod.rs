@@ -417,7 +417,6 @@ fn turned(polytope: &Polytope, axes: &Matrix3<f64>) -> Polytope {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::shape::Shape;

@@ -98,7 +98,6 @@ fn digest(value: &impl Serialize) -> Result<Digest> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]

@@ -409,7 +409,6 @@ impl Columns {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn of_text(text: &str, folder: &str) -> Result<Manifest> {

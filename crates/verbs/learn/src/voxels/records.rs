@@ -46,7 +46,6 @@ pub fn exclusions(reader: &SetReader) -> Result<Vec<Exclusion>> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use serde_json::json;
 

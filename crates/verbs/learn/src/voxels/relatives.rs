@@ -86,7 +86,6 @@ fn in_words(first: &Row, other: &Row) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn lines(structures: &[[&'static str; 4]]) -> Vec<String> {

@@ -240,7 +240,6 @@ fn median(counted: &mut [(f32, u64)]) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use protomer_io::zarr::as_stored;
 

@@ -92,7 +92,6 @@ impl Survey {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::voxels::Fit;
 

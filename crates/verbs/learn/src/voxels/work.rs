@@ -284,7 +284,6 @@ fn decode(name: &str, container: &Container) -> Result<(Digest, Done)> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn key(name: &str) -> Digest {

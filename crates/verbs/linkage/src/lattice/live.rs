@@ -301,7 +301,6 @@ impl Live for LiveLattice {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::lattice::run::run_lattice;

@@ -134,7 +134,6 @@ pub fn ungrouped(groups: &[ChainGroup], chains_of_files: &[Vec<String>]) -> Vec<
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

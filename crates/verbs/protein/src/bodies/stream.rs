@@ -342,7 +342,6 @@ impl Stream<'_> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::super::tables::WarningRow;
     use super::*;
     use std::collections::BTreeMap;

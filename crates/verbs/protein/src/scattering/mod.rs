@@ -328,7 +328,6 @@ fn write(report: &ScatteringReport, directory: &Path, force: bool) -> Result<()>
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -254,7 +254,6 @@ fn files(folder: &Path) -> Vec<FoundFile> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

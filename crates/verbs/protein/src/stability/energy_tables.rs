@@ -301,7 +301,6 @@ pub fn in_units(bytes: u64) -> String {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::stability::bench::bodies::two_kinds;

@@ -89,7 +89,6 @@ fn strongest_neighbour(
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use protomer_body::chemistry::titration::titratable_sites;
     use protomer_body::structure::{SelectionSettings, Structure};

@@ -225,7 +225,6 @@ fn of_directory(path: &Path, settings: &DynamicsSettings, kinds: Vec<Kind>) -> R
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::dynamics::run::{DynamicsResult, run_dynamics};

@@ -257,7 +257,6 @@ impl Settings for DynamicsSettings {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

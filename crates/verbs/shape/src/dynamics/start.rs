@@ -238,7 +238,6 @@ fn with_layer(kind: &Kind) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_common::settings::Words;

@@ -231,7 +231,6 @@ fn drift(series: &[f64]) -> Option<(f64, f64)> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::result::mean_and_error;
     use super::*;

@@ -220,7 +220,6 @@ fn deviation(seed: u64, body: u64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_common::settings::Words;

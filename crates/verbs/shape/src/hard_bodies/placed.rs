@@ -233,7 +233,6 @@ fn of_directory<const D: usize>(path: &Path, settings: &HardBodySettings) -> Res
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::hard_bodies::run::run_hard_bodies;

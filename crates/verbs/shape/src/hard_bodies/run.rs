@@ -679,7 +679,6 @@ fn profile<const D: usize>(open: &Open<D>) -> String {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::hard_bodies::settings::Pressure;

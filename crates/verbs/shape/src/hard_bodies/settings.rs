@@ -342,7 +342,6 @@ pub fn parse_depletants(text: &str) -> Result<Vec<Depletant>> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -314,7 +314,6 @@ fn what_to_write(dimensions: usize) -> String {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

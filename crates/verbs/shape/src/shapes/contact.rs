@@ -175,7 +175,6 @@ fn contact(entry: &PairEntry, interaction: Interaction) -> Result<Contact> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_md::pair::Form;

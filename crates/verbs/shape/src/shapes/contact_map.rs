@@ -299,7 +299,6 @@ fn crossing(from: &Vec3, to: &Vec3, height: f64) -> Option<[f64; 2]> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::Rotation;

@@ -121,7 +121,6 @@ fn measures(file_or_name: &str, rounding_radius: f64) -> Result<BodyMeasures> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

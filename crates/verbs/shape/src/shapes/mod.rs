@@ -219,7 +219,6 @@ fn shape_of_columns(name: &str, text: &str) -> Result<Shape> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -114,7 +114,6 @@ fn shared_volume(entry: &PairEntry) -> Result<SharedVolume> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

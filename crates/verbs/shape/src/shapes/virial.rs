@@ -412,7 +412,6 @@ fn third(b2: Estimate, ratio: Estimate) -> ThirdVirial {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use std::f64::consts::PI;

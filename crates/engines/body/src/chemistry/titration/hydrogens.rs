@@ -207,7 +207,6 @@ fn least_axis(vector: &Vec3) -> Vec3 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -471,7 +471,6 @@ fn height(network: &Network, positions: &[f64], hit: &Hit) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]

@@ -221,7 +221,6 @@ impl Functions {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::field::tests::{field, places};
     use super::BLOCK;

@@ -213,7 +213,6 @@ pub(super) fn centre(points: &[[f32; 4]]) -> [f32; 3] {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::field::tests::field;
     use super::super::motion::blocks;

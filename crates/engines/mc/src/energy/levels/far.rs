@@ -134,7 +134,6 @@ impl FarImages {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::BodyType;

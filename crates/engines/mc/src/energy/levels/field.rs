@@ -469,7 +469,6 @@ fn highest(numbers: &[u32; BLOCK]) -> u32 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 pub(super) mod tests {
     use super::*;
     use protomer_kernel::Vec3;

@@ -125,7 +125,6 @@ impl Table {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 pub(super) mod tests {
     use super::super::maker::COARSE_OPENING;
     use super::*;

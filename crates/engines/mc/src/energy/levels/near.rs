@@ -177,7 +177,6 @@ impl NearPairs {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::potential::Yukawa;

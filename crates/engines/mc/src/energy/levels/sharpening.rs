@@ -170,7 +170,6 @@ impl Table {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::fine_energy::tests::for_each_pose;
     use super::super::list::List;

@@ -101,7 +101,6 @@ fn horner(coefficients: &[f64; TERMS], s: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_kernel::potential::Yukawa;

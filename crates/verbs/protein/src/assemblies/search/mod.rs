@@ -315,5 +315,4 @@ fn different<A>(mut points: Vec<Point<A>>) -> Vec<Point<A>> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::panic)] // a test fails by panicking
 mod tests;

@@ -1,5 +1,3 @@
-#![allow(clippy::unwrap_used)]
-
 use super::*;
 use crate::assemblies::assembly_file::AssemblyFile;
 use protomer_common::answer::Answer;

@@ -156,7 +156,6 @@ fn octahedron(n: i32) -> TriangleMesh {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -170,7 +170,6 @@ fn system(types: &[Arc<BodyType>], bodies: &[(usize, Pose)], box_angstrom: f64) 
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::bodies::two_kinds;
     use super::*;

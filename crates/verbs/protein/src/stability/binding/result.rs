@@ -339,7 +339,6 @@ fn slope(conditions: &[BindingCondition], value: fn(&BindingCondition) -> f64) -
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

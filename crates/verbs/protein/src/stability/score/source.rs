@@ -412,7 +412,6 @@ fn require_names(source: &Path, complexes: &[StatedComplex]) -> Result<()> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

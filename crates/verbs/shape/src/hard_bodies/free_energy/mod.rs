@@ -483,5 +483,4 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests;

@@ -449,7 +449,6 @@ fn uncertainty(
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::hard_bodies::phases::phases_of_mixtures;

@@ -114,7 +114,6 @@ pub fn phases_of_mixtures(size_ratios: &[f64], reservoirs: &[f64]) -> Result<Pha
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -97,7 +97,6 @@ fn read_table(name: &str, text: &str) -> Result<Spline> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use protomer_common::answer::Answer;

@@ -368,7 +368,6 @@ fn write_results(equation: &EquationOfState, directory: &Path) -> Result<()> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
