@@ -61,7 +61,7 @@ pub struct ChainGroupArgs {
 #[command(next_help_heading = "Charges")]
 pub struct ChargeArgs {
     /// pH of the protonation equilibria.
-    #[arg(long, default_value_t = 7.4, allow_negative_numbers = true, value_parser = range::PH.number())]
+    #[arg(long, default_value_t = 7.4, value_parser = range::PH.number())]
     ph: f64,
     /// Model of the charges.
     #[arg(long, value_parser = choice::<ChargeModel>(), default_value = "force-field")]
@@ -88,7 +88,7 @@ pub struct ProtonationArgs {
     protonation: Option<PkaSource>,
     /// Constant of the binding of the salt's anion to a positive group, L/mol, with
     /// --protonation structure; a group with a bound anion has no charge [default: 0, or that of the model].
-    #[arg(long, allow_negative_numbers = true, value_parser = range::ANION_BINDING.number(), help_heading = "Charges")]
+    #[arg(long, value_parser = range::ANION_BINDING.number(), help_heading = "Charges")]
     anion_binding: Option<f64>,
 }
 
@@ -140,10 +140,10 @@ pub struct SurfaceFlags {
     density: f64,
     /// Spacing of the lattice on which the surface is first found, Å; a coarser one is faster and
     /// may close or open what is narrower.
-    #[arg(long, default_value_t = SurfaceSettings::LATTICE_SPACING_ANGSTROM, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = SurfaceSettings::LATTICE_SPACING_ANGSTROM)]
     lattice_spacing: f64,
     /// Probe radius, Å.
-    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
+    #[arg(long, default_value_t = 1.4, value_parser = range::RADIUS.number())]
     probe: f64,
     /// Treatment of cavities; if omitted, a body drops them and `surface` keeps them.
     #[arg(long, value_parser = choice::<Cavities>())]

@@ -14,11 +14,10 @@ pub struct ExecutionArgs {
     /// Stop (resumably, exit code 3) after this many minutes.
     #[arg(
         long,
-        env = "ACTION_WALLTIME_IN_MINUTES",
-        allow_negative_numbers = true, value_parser = range::MINUTES.number())]
+        env = "ACTION_WALLTIME_IN_MINUTES", value_parser = range::MINUTES.number())]
     time_limit: Option<f64>,
     /// Seconds between checkpoints: the most that a killed run loses.
-    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true, value_parser = range::SECONDS.number())]
+    #[arg(long, default_value_t = 20.0, value_parser = range::SECONDS.number())]
     checkpoint_every: f64,
 }
 

@@ -6,12 +6,7 @@ use clap::Args;
 #[derive(Debug, Args)]
 pub struct RoundingArgs {
     /// Radius of the ball, or disk, that rounds it (Minkowski sum).
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "RADIUS",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, default_value_t = 0.0, value_name = "RADIUS")]
     pub rounding: f64,
 }
 
@@ -34,17 +29,10 @@ pub struct FreeVolumeGridArgs {
         long,
         value_delimiter = ',',
         value_name = "FRACTION,…",
-        required = true,
-        allow_negative_numbers = true
+        required = true
     )]
     pub packing_fraction: Vec<f64>,
     /// Radius of the depletants; several with commas between them.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "RADIUS,…",
-        required = true,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_delimiter = ',', value_name = "RADIUS,…", required = true)]
     pub depletant_radius: Vec<f64>,
 }

@@ -14,7 +14,7 @@ pub struct MediumArgs {
     #[arg(long, allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     pub temperature: Option<f64>,
     /// Relative permittivity; that of water at the temperature if omitted.
-    #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    #[arg(long, value_parser = range::PERMITTIVITY.number())]
     pub permittivity: Option<f64>,
     /// Bjerrum length (such as 7.0A), instead of temperature and permittivity.
     #[arg(long, allow_hyphen_values = true, conflicts_with = "permittivity", value_parser = range::BJERRUM_LENGTH.read(quantity::length_angstrom))]

@@ -12,10 +12,10 @@ use protomer_protein_verbs::stability::effective::SoluteModel;
 #[command(next_help_heading = "Inside of the bodies")]
 pub struct SoluteArgs {
     /// Relative permittivity inside the bodies [default: 4].
-    #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    #[arg(long, value_parser = range::PERMITTIVITY.number())]
     pub inner_permittivity: Option<f64>,
     /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2].
-    #[arg(long, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
+    #[arg(long, value_parser = range::RADIUS.number())]
     pub ion_radius: Option<f64>,
     /// Response of the ions to the potential to which effective charges are fitted [default: linear].
     #[arg(long, value_parser = choice::<IonModel>())]

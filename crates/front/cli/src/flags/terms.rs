@@ -16,7 +16,7 @@ pub struct ContactArgs {
     #[arg(long, value_parser = choice_or::<ContactScale>("none", "No attraction between residues"))]
     pub contacts: Option<Chosen<ContactScale>>,
     /// Factor on the attraction of the scale [default: 1].
-    #[arg(long, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
+    #[arg(long, value_parser = range::STRENGTH.number())]
     pub contact_strength: Option<f64>,
 }
 

@@ -33,7 +33,7 @@ pub struct ExportArgs {
     #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
     salt: Option<f64>,
     /// Replica of a sweep, counted from 0 [default: 0].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     replica: Option<u32>,
     /// Assembly file of a simulation, if it has moved.
     #[arg(long)]

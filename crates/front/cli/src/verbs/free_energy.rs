@@ -35,13 +35,13 @@ pub struct FreeEnergyArgs {
     #[arg(long, help = format!("Name of the crystal ({}), or the file of its unit cell", names_of_crystals(&[3, 2, 1])))]
     crystal: String,
     /// Turn every body first: degrees in a plane, a quaternion W,X,Y,Z in space.
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',')]
     turn: Vec<f64>,
     /// Number of bodies.
     #[arg(long, default_value_t = 216)]
     bodies: usize,
     /// The part of the box that the bodies fill.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     packing_fraction: f64,
     /// Sweeps at each strength in which steps are tuned and nothing is measured.
     #[arg(long, default_value_t = 2000, value_name = "SWEEPS")]

@@ -28,21 +28,10 @@ use std::path::PathBuf;
 ))]
 pub struct PhaseDiagramArgs {
     /// Radius of the depletants over that of the spheres; several with commas between them.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "Q",
-        requires = "reservoir",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_delimiter = ',', value_name = "Q", requires = "reservoir")]
     size_ratio: Vec<f64>,
     /// Packing fraction of the depletants in the reservoir; several with commas between them.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "FRACTION",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_delimiter = ',', value_name = "FRACTION")]
     reservoir: Vec<f64>,
     /// Directory of the `hpmc sweep` of a fluid over packing fractions.
     #[arg(long, value_name = "SWEEP", conflicts_with_all = ["size_ratio", "branch"])]

@@ -39,10 +39,10 @@ pub struct PotentialArgs {
     #[arg(long, default_value = "1:1", value_parser = salt_valence)]
     valence: SaltValence,
     /// Grid spacing, Å.
-    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.5)]
     spacing: f64,
     /// Minimum distance between the atoms and the faces of the grid, Å.
-    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 10.0)]
     margin: f64,
     /// Potential on the faces of the grid.
     #[arg(long, value_parser = choice::<BoundaryCondition>(), default_value = BoundaryCondition::default().name())]
@@ -51,19 +51,19 @@ pub struct PotentialArgs {
     #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
     /// Relative permittivity inside the surface.
-    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    #[arg(long, default_value_t = 2.0, value_parser = range::PERMITTIVITY.number())]
     inner_permittivity: f64,
     /// Relative permittivity of the solvent; that of water at the temperature if omitted.
-    #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    #[arg(long, value_parser = range::PERMITTIVITY.number())]
     outer_permittivity: Option<f64>,
     /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface.
-    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
+    #[arg(long, default_value_t = 2.0, value_parser = range::RADIUS.number())]
     ion_radius: f64,
     /// The dielectric boundary.
     #[arg(long, value_parser = choice::<SurfaceDefinition>(), default_value = SurfaceDefinition::default().name())]
     surface: SurfaceDefinition,
     /// Probe radius of the surface, Å.
-    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
+    #[arg(long, default_value_t = 1.4, value_parser = range::RADIUS.number())]
     probe: f64,
     /// File of points (x y z per line, Å) at which to print the potential.
     #[arg(long)]

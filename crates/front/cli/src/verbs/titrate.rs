@@ -32,11 +32,11 @@ pub struct TitrateArgs {
     #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
     /// Relative permittivity inside the surface; other values than 20 leave the range of the fit.
-    #[arg(long, default_value_t = TitrationModel::default().inner_permittivity, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    #[arg(long, default_value_t = TitrationModel::default().inner_permittivity, value_parser = range::PERMITTIVITY.number())]
     inner_permittivity: f64,
     /// Constant of the binding of the salt's anion to a positive group in water, L/mol; a group with a
     /// bound anion has no charge.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = range::ANION_BINDING.number())]
+    #[arg(long, default_value_t = 0.0, value_parser = range::ANION_BINDING.number())]
     anion_binding: f64,
     /// Directory for tables (CSV), JSON and figure.
     #[arg(short, long)]

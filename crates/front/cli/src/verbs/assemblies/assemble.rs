@@ -98,7 +98,7 @@ pub struct RingArgs {
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_parser = range::ANGLE.number())]
     spin: Vec<f64>,
     /// Gap between neighbours in the ring, and between the rings, beyond contact, Å.
-    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true, value_parser = range::GAP.number())]
+    #[arg(long, default_value_t = 0.5, value_parser = range::GAP.number())]
     gap: f64,
     #[command(flatten)]
     space: SpaceArgs,

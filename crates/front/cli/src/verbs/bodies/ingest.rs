@@ -53,7 +53,6 @@ pub struct IngestArgs {
     /// With --stream: stop after this many minutes; the same command continues.
     #[arg(
         long,
-        allow_negative_numbers = true,
         requires = "stream",
         help_heading = "Many files", value_parser = range::MINUTES.number())]
     time_limit: Option<f64>,

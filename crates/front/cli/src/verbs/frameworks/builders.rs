@@ -57,13 +57,13 @@ pub struct HoneycombArgs {
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     l: f64,
     /// Angle between the two kinds of ribs, degrees.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     theta: f64,
     /// Stiffness of each hinge between an h and an l rib, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
     /// Stiffness of each rib, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
 }
 
@@ -74,14 +74,14 @@ pub struct PolygonArgs {
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     side: f64,
     /// Rotation of each polygon from the open position, degrees.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     angle: f64,
     /// Stiffness of the rods that make a polygon rigid, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
     /// K_h: stiffness of the hinge between two polygons, one at every shared corner, as in the
     /// published formulas, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
 }
 
@@ -93,16 +93,16 @@ pub struct ArrowheadArgs {
     #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
     width: f64,
     /// Angle of the long ribs to z, degrees.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     outer: f64,
     /// Angle of the short ribs to z, degrees.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     inner: f64,
     /// Stiffness of each rib, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
     /// Stiffness of each hinge, one between any two adjacent ribs at a node, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
 }
 
@@ -117,17 +117,17 @@ pub struct MissingRibArgs {
     #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
     rib: f64,
     /// Rotation of the crosses out of the axes, degrees.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     angle: f64,
     /// Stiffness of each arm and rib, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
     /// Stiffness of each hinge at an elbow, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
     /// Stiffness of each hinge between neighbouring arms of a cross, kcal/mol/rad² [default: that of
     /// the elbows].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     cross_kh: Option<f64>,
 }
 
@@ -145,13 +145,13 @@ pub struct StarsArgs {
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     rib: f64,
     /// Angle at a point, between two sides, degrees.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     angle: f64,
     /// Stiffness of each side and rib, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
     /// Stiffness of each hinge, one between any two adjacent rods at a node, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
 }
 
@@ -169,10 +169,10 @@ pub struct ChiralArgs {
     #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
     ligament: f64,
     /// Stiffness of each ligament, and of the rods that make a wheel rigid, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
     /// Stiffness of each hinge between a ligament and a wheel, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
 }
 
@@ -181,13 +181,13 @@ pub struct ChiralArgs {
 #[command(next_help_heading = "Network")]
 pub struct AlphaCristobaliteArgs {
     /// Factor of all lengths of the crystal.
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1.0)]
     scale: f64,
     /// Stiffness of the rods that make a tetrahedron rigid, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
     /// Stiffness of each of the nine hinges between two tetrahedra, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
 }
 
@@ -202,16 +202,16 @@ pub struct RodLatticeArgs {
     #[arg(long, value_parser = length, allow_hyphen_values = true)]
     r0: f64,
     /// Rotation of each square, degrees; 45 is open.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     angle: f64,
     /// Stiffness of the rods that make a square rigid, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     square_ks: f64,
     /// Stiffness of the rods between squares, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
     /// Stiffness of each hinge, one between any two adjacent rods at a node, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
 }
 
@@ -223,7 +223,7 @@ pub struct FccArgs {
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     edge: f64,
     /// Stiffness of each rod, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
 }
 
@@ -235,10 +235,10 @@ pub struct DiamondArgs {
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     edge: f64,
     /// Stiffness of each rod, kcal/mol/Å².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     ks: f64,
     /// Stiffness of each hinge, one between every two rods at a node, kcal/mol/rad².
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     kh: f64,
 }
 

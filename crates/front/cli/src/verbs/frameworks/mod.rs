@@ -75,7 +75,7 @@ pub struct FrameworkArgs {
 #[command(next_help_heading = "Analysis")]
 pub struct AnalysisArgs {
     /// Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23].
-    #[arg(long, global = true, allow_negative_numbers = true)]
+    #[arg(long, global = true)]
     na: Option<f64>,
     /// Cells along each cell vector, such as 2x2.
     #[arg(long, global = true)]
@@ -90,7 +90,7 @@ pub struct AnalysisArgs {
     #[arg(long, global = true, requires = "relax")]
     fixed_cell: bool,
     /// EI of ribs that flex and are joined rigidly, in place of hinges (give --kh 0), kcal Å/mol.
-    #[arg(long, global = true, allow_negative_numbers = true)]
+    #[arg(long, global = true)]
     flexure: Option<f64>,
     /// Segments of each rib that flexes [default: 16].
     #[arg(long, global = true, requires = "flexure")]

@@ -24,7 +24,7 @@ pub struct FreeVolumeArgs {
     #[arg(long, help = format!("Name of the crystal ({}), or the file of its unit cell", names_of_crystals(&[3])))]
     crystal: String,
     /// Turn every body first: a quaternion W,X,Y,Z.
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',')]
     turn: Vec<f64>,
     #[command(flatten)]
     grid: FreeVolumeGridArgs,

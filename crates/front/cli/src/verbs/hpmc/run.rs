@@ -25,11 +25,11 @@ pub struct RunArgs {
     #[command(flatten)]
     system: SystemArgs,
     /// The part of the box that the bodies fill; a state has its own.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     packing_fraction: Option<f64>,
     /// Constant pressure, kT per volume, at which the box changes; the packing fraction is that of the
     /// start.
-    #[arg(long, value_name = "P_KT_PER_VOLUME", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P_KT_PER_VOLUME")]
     pressure: Option<f64>,
     /// At constant pressure, change each edge of the box on its own; for crystals.
     #[arg(long, requires = "pressure")]

@@ -29,26 +29,15 @@ pub struct SweepArgs {
         long,
         value_delimiter = ',',
         value_name = "FRACTION,…",
-        allow_negative_numbers = true,
         required_unless_present = "pressures",
         conflicts_with = "pressures"
     )]
     packing_fractions: Vec<f64>,
     /// Constant pressures, kT per volume, with commas between them.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "P_KT_PER_VOLUME,…",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_delimiter = ',', value_name = "P_KT_PER_VOLUME,…")]
     pressures: Vec<f64>,
     /// With --pressures, the packing fraction of the start.
-    #[arg(
-        long,
-        requires = "pressures",
-        allow_negative_numbers = true,
-        value_name = "FRACTION"
-    )]
+    #[arg(long, requires = "pressures", value_name = "FRACTION")]
     packing_fraction: Option<f64>,
     /// With --pressures, change each edge of the box on its own; for crystals.
     #[arg(long, requires = "pressures")]

@@ -23,21 +23,11 @@ pub struct SystemArgs {
     #[arg(long, value_name = "SHARE")]
     share: Vec<f64>,
     /// Radius of the ball, or disk, that rounds the shapes (Minkowski sum).
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "RADIUS",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, default_value_t = 0.0, value_name = "RADIUS")]
     rounding: f64,
     /// Standard deviation of the sizes of the bodies, relative to that of their shape; each body has its own size, at most
     /// three deviations away.
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "DEVIATION",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, default_value_t = 0.0, value_name = "DEVIATION")]
     spread: f64,
     /// Trial exchanges of the places of two bodies of different kinds or sizes in a sweep.
     #[arg(long, default_value_t = 0, value_name = "NUMBER")]
@@ -61,14 +51,14 @@ pub struct SystemArgs {
     #[arg(long, value_name = "NUMBER")]
     frame: Option<u64>,
     /// Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space.
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',')]
     turn: Vec<f64>,
     /// Edges of the box of a fluid relative to each other, such as 1,1,4 [default: equal].
     #[arg(long = "box", value_delimiter = ',', value_name = "RATIOS")]
     box_ratios: Vec<f64>,
     /// Weight of a body, kT per length (the inverse of the gravitational length), between hard walls at
     /// both ends of the last axis.
-    #[arg(long, value_name = "KT_PER_LENGTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "KT_PER_LENGTH")]
     gravity: Option<f64>,
     /// Energy of each body by its last coordinate, from the lower end of the box: a table with the columns height and
     /// energy_kt.

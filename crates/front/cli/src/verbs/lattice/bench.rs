@@ -14,7 +14,7 @@ pub struct BenchArgs {
     #[arg(long, default_value_t = 10)]
     ns: usize,
     /// Length of the rods.
-    #[arg(long, default_value_t = 3.0 / 22.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 3.0 / 22.0)]
     r0: f64,
     /// Steps.
     #[arg(long, default_value_t = 1000)]

@@ -40,7 +40,7 @@ pub struct DivergenceArgs {
     fit_to: usize,
     /// Follow all neighbours within this radius, in standard deviations of the column, as Kantz does
     /// [default: the nearest neighbour, as Rosenstein does].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     radius: Option<f64>,
 }
 

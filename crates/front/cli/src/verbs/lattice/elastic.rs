@@ -18,7 +18,7 @@ pub struct ElasticArgs {
     #[arg(required = true)]
     directories: Vec<PathBuf>,
     /// Share of every log that is left out at its start.
-    #[arg(long, default_value_t = 0.1, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.1)]
     discard: f64,
     /// Blocks of every log for the errors; each must be longer than the strains remember.
     #[arg(long, default_value_t = 20)]

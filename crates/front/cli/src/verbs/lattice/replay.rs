@@ -13,10 +13,10 @@ pub struct ReplayArgs {
     /// The file.
     file: PathBuf,
     /// Time step; reduced slightly to match the listed times.
-    #[arg(long = "dt", default_value_t = 1e-3, allow_negative_numbers = true)]
+    #[arg(long = "dt", default_value_t = 1e-3)]
     time_step: f64,
     /// Time limit of the search for a contact.
-    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 20.0)]
     longest: f64,
 }
 

@@ -22,10 +22,10 @@ pub struct SweepArgs {
     #[command(flatten)]
     directory: DirectoryArgs,
     /// Rod lengths, separated by commas [default: the [sweep] of the configuration].
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',')]
     r0_list: Vec<f64>,
     /// κ, separated by commas.
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',')]
     kappa_list: Vec<f64>,
     /// Runs per rod length and κ: seeds 1, 2, ...
     #[arg(long)]
@@ -39,7 +39,7 @@ pub struct SweepArgs {
     #[command(flatten)]
     part: PartArgs,
     /// Phases are locked while all their differences are below this angle, rad [default: 0.5].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     locked_within: Option<f64>,
     #[command(flatten)]
     settings: LatticeFlags,

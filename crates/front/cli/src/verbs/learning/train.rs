@@ -54,11 +54,11 @@ pub struct TaskArgs {
     #[arg(long)]
     split_seed: Option<u64>,
     /// Shares of training, validation and test [default: 0.7,0.15,0.15].
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',')]
     fractions: Option<Vec<f64>>,
     /// Share of the clusters of the training part to train on, for a learning curve; validation and test
     /// part stay the same [default: 1].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     training_share: Option<f64>,
     /// Scaling of the channels [default: robust].
     #[arg(long, value_parser = choice::<ScalingMode>())]
@@ -156,13 +156,13 @@ struct NetworkArgs {
     patience: Option<usize>,
     /// Logit adjustment τ: 0 learns with the observed class frequencies; 1 as if all classes
     /// were equally frequent, with the frequencies restored in the predictions [default: 0].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     logit_adjustment: Option<f64>,
     /// Samples per step [default: 8].
     #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     batch: Option<usize>,
     /// Learning rate after the warm-up [default: 0.001].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     learning_rate: Option<f64>,
     /// Seed of weights, order and rotations, and of the split without --split-seed [default: 1].
     #[arg(long)]

@@ -32,18 +32,18 @@ pub struct ContactArgs {
     #[arg(long, value_parser = choice::<Central>(), default_value = "none")]
     central: Central,
     /// Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
+    #[arg(long, default_value_t = 0.0, value_parser = range::STRENGTH.number())]
     attraction: f64,
     /// Cut-off of the attraction, in units of its length; inf for none. It is switched off smoothly
     /// from 0.8 of that on.
-    #[arg(long, default_value_t = 2.5, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 2.5)]
     attraction_cut_off: f64,
     /// Folder for a map of the energy over places of b, at the height of its position: energies.csv, contours.svg and
     /// contours.png; for a file with one pair.
     #[arg(long, value_name = "FOLDER", help_heading = "Map")]
     map: Option<PathBuf>,
     /// Largest coordinate of the map; as far as the bodies interact if omitted.
-    #[arg(long, value_name = "LENGTH", requires = "map", allow_negative_numbers = true, value_parser = range::POSITIVE.number(), help_heading = "Map")]
+    #[arg(long, value_name = "LENGTH", requires = "map", value_parser = range::POSITIVE.number(), help_heading = "Map")]
     map_reach: Option<f64>,
     /// Points of the map along each axis.
     #[arg(long, value_name = "NUMBER", requires = "map", default_value_t = 121, value_parser = MAP_POINTS.number::<usize>(), help_heading = "Map")]

@@ -23,20 +23,10 @@ pub struct VirialArgs {
     /// File or name of another shape, for B12; two bodies of the first if omitted.
     second: Option<String>,
     /// Radius of the ball, or disk, that rounds the first shape, or both if there is one.
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "RADIUS",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, default_value_t = 0.0, value_name = "RADIUS")]
     rounding: f64,
     /// Radius of the ball, or disk, that rounds the second shape.
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "RADIUS",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, default_value_t = 0.0, value_name = "RADIUS")]
     second_rounding: f64,
     /// Sample the third virial coefficient by this many triples of bodies, such as 100000.
     #[arg(long, default_value_t = 0, value_name = "NUMBER", value_parser = range::MOVES_OR_NONE.number::<u64>())]

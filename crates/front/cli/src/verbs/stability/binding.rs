@@ -37,7 +37,7 @@ pub struct BindingArgs {
     #[arg(long, allow_hyphen_values = true)]
     salt: String,
     /// pH values at which structure files are charged, such as 6,7.4 [default: 7.4].
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true, value_parser = range::PH.number())]
+    #[arg(long, value_delimiter = ',', value_parser = range::PH.number())]
     ph: Vec<f64>,
     #[command(flatten)]
     protonation: ProtonationArgs,
@@ -59,19 +59,19 @@ pub struct BindingArgs {
     #[arg(long)]
     proton_uptake: bool,
     /// Spacing of the fine grid, Å; a second grid is 1.4 times coarser.
-    #[arg(long, default_value_t = BindingSettings::SPACING_ANGSTROM, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = BindingSettings::SPACING_ANGSTROM)]
     spacing: f64,
     /// Minimum distance between the atoms and the faces of the fine grid, Å.
-    #[arg(long, default_value_t = BindingSettings::MARGIN_ANGSTROM, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = BindingSettings::MARGIN_ANGSTROM)]
     margin: f64,
     /// Relative permittivity inside the bodies.
-    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    #[arg(long, default_value_t = 2.0, value_parser = range::PERMITTIVITY.number())]
     inner_permittivity: f64,
     /// Relative permittivity of the solvent; that of water at the temperature if omitted.
-    #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    #[arg(long, value_parser = range::PERMITTIVITY.number())]
     outer_permittivity: Option<f64>,
     /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface.
-    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
+    #[arg(long, default_value_t = 2.0, value_parser = range::RADIUS.number())]
     ion_radius: f64,
     /// Response of the ions: proportional to the potential, or by Boltzmann factors (the nonlinear
     /// equation; about twice as slow).

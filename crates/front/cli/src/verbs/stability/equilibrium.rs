@@ -53,7 +53,7 @@ pub struct StabilityArgs {
     #[arg(long, default_value = "1uM", allow_hyphen_values = true)]
     concentration: String,
     /// pH values at which structure files are made into bodies, such as 6,7.4 [default: 7.4].
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true, value_parser = range::PH.number())]
+    #[arg(long, value_delimiter = ',', value_parser = range::PH.number())]
     ph: Vec<f64>,
     #[command(flatten)]
     protonation: ProtonationArgs,

@@ -49,7 +49,7 @@ pub struct PairArgs {
     #[arg(long, allow_hyphen_values = true)]
     salt: Option<String>,
     /// pH values at which structure files are made into bodies, such as 4.5,7.
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',')]
     ph: Vec<f64>,
     #[command(flatten)]
     protonation: ProtonationArgs,
@@ -62,7 +62,7 @@ pub struct PairArgs {
     #[arg(long, default_value_t = 0.004)]
     relative_error: f64,
     /// The wanted standard error of B22, mol mL/g², such as 3e-5; instead of a relative one.
-    #[arg(long, conflicts_with = "relative_error", allow_negative_numbers = true)]
+    #[arg(long, conflicts_with = "relative_error")]
     b22_error: Option<f64>,
     /// Directions with energies that may be sampled for one condition.
     #[arg(long, default_value_t = 65_536)]

@@ -50,7 +50,7 @@ pub struct ScoreArgs {
     #[arg(long, default_value = "150mM", allow_hyphen_values = true)]
     salt: String,
     /// pH at which structure files are charged [default: 7.4].
-    #[arg(long, allow_negative_numbers = true, value_parser = range::PH.number())]
+    #[arg(long, value_parser = range::PH.number())]
     ph: Option<f64>,
     #[command(flatten)]
     protonation: ProtonationArgs,
@@ -65,7 +65,7 @@ pub struct ScoreArgs {
     #[command(flatten)]
     attraction: ContactArgs,
     /// Spacing of the fine grid of the columns slope, kd, half-salt and exchange, Å.
-    #[arg(long, default_value_t = BindingSettings::SPACING_ANGSTROM, allow_negative_numbers = true, value_parser = range::FINE_SPACING.number())]
+    #[arg(long, default_value_t = BindingSettings::SPACING_ANGSTROM, value_parser = range::FINE_SPACING.number())]
     spacing: f64,
     /// Seed of the random numbers of the column kd.
     #[arg(long, default_value_t = 1)]

@@ -48,7 +48,7 @@ pub struct VoxelizeArgs {
     channels: Option<Vec<Channel>>,
     /// For interfaces: the voxels of one body that have an atom of the other this near are kept, Å
     /// [default: 8].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     interface_reach: Option<f64>,
     /// The orientation of structures.
     #[arg(long, value_parser = choice::<Orientation>(), default_value = "random")]
@@ -66,19 +66,19 @@ pub struct VoxelizeArgs {
     #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
     /// pH of the protonation.
-    #[arg(long, default_value_t = 7.4, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 7.4)]
     ph: f64,
     #[command(flatten)]
     protonation: ProtonationArgs,
     /// Probe radius of the surface, Å.
-    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
+    #[arg(long, default_value_t = 1.4, value_parser = range::RADIUS.number())]
     probe: f64,
     /// Range of the hydropathy: residues with an atom within this distance of a voxel's centre
     /// count, Å.
-    #[arg(long, default_value_t = 5.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 5.0)]
     hydropathy_reach: f64,
     /// Structures are excluded if a larger share of their residues lacks heavy atoms.
-    #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.25)]
     most_incomplete: f64,
     /// Make the bodies in this folder as well, as `protomer ingest --stream` does; each structure
     /// is read, charged and given its exact surface only once.
@@ -100,7 +100,7 @@ pub struct VoxelizeArgs {
     #[command(flatten)]
     scheduler: SchedulerArgs,
     /// Stop after this many minutes; the same command continues it.
-    #[arg(long, allow_negative_numbers = true, value_parser = range::MINUTES.number())]
+    #[arg(long, value_parser = range::MINUTES.number())]
     time_limit: Option<f64>,
 }
 
