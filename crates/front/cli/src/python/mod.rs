@@ -33,31 +33,8 @@ const NOT_FOR_FUNCTIONS: [&str; 7] = [
 /// A verb with this flag can be distributed over machines: its function also has the
 /// keywords of [`Parameter::shared`].
 const SHARED_BY: &str = "shard";
-/// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
-const RESULTS: [(&str, &str); 18] = [
-    ("bench", "BenchResult"),
-    ("compare", "CompareResult"),
-    ("framework *", "FrameworkResult"),
-    ("hpmc sweep", "HardBodySweepResult"),
-    ("lattice run", "LatticeResult"),
-    ("lattice sweep", "LatticeSweepResult"),
-    ("pair", "PairResult"),
-    ("phase-diagram", "PhaseDiagramResult"),
-    ("potential", "PotentialResult"),
-    ("predict", "PredictResult"),
-    ("scattering", "ScatteringResult"),
-    ("score", "ScoreResult"),
-    ("simulate", "SimulationResult"),
-    ("stability", "StabilityResult"),
-    ("sweep", "SweepResult"),
-    ("train", "TrainResult"),
-    ("tune", "TuneResult"),
-    ("voxelize", "VoxelizeResult"),
-];
-/// The class of all other results.
+/// The class of results without a class of their own.
 const PLAIN: &str = "Result";
-/// Subcommands of a starred verb with plain results.
-const PLAIN_VERBS: [&str; 1] = ["framework tables"];
 /// Verbs that require a salt concentration.
 const SALT_IS_REQUIRED: [&str; 3] = ["binding", "potential", "titrate"];
 /// Reserved words of Python.
@@ -88,7 +65,7 @@ pub struct Function {
     /// Docstring: description, parameters, result, errors and examples.
     pub doc: String,
     /// Class of the result.
-    pub result: &'static str,
+    pub result: String,
     /// Whether a salt concentration must be given, as text or as a number.
     pub requires_salt: bool,
     /// Parameters in the order of the signature.
@@ -116,15 +93,17 @@ fn group(verb: &Command) -> Group {
         .get_subcommands()
         .filter(|subcommand| subcommand.get_name() != "help")
         .collect();
+    let class = result_class(verb).unwrap_or(PLAIN);
     let mut functions = Vec::new();
     if subcommands.is_empty() {
-        functions.push(function(verb, &[name], identifier(name)));
+        functions.push(function(verb, &[name], class, identifier(name)));
     } else if !verb.is_subcommand_required_set() {
-        functions.push(function(verb, &[name], "__call__".to_owned()));
+        functions.push(function(verb, &[name], class, "__call__".to_owned()));
     }
     for subcommand in &subcommands {
         let own = subcommand.get_name();
-        functions.push(function(subcommand, &[name, own], identifier(own)));
+        let class = result_class(subcommand).unwrap_or(class);
+        functions.push(function(subcommand, &[name, own], class, identifier(own)));
     }
     Group {
         name: identifier(name),
@@ -134,16 +113,15 @@ fn group(verb: &Command) -> Group {
     }
 }
 
-fn function(command: &Command, path: &[&str], name: String) -> Function {
+fn function(command: &Command, path: &[&str], result: &str, name: String) -> Function {
     let verb = path.join(" ");
-    let result = result_class(path);
     let parameters = parameters(command, &verb);
     Function {
         name,
         doc: docstring::docstring(command, path, result, &parameters),
         verb: path.iter().map(|word| (*word).to_owned()).collect(),
         about: about(command),
-        result,
+        result: result.to_owned(),
         requires_salt: SALT_IS_REQUIRED.contains(&verb.as_str()),
         parameters,
     }
@@ -179,17 +157,11 @@ fn parameters(command: &Command, verb: &str) -> Vec<Parameter> {
     parameters
 }
 
-/// The class of the result of a verb.
-fn result_class(path: &[&str]) -> &'static str {
-    let verb = path.join(" ");
-    let first = path.first().copied().unwrap_or_default();
-    if PLAIN_VERBS.contains(&verb.as_str()) {
-        return PLAIN;
-    }
-    RESULTS
-        .iter()
-        .find(|(name, _)| *name == verb || name.strip_suffix(" *") == Some(first))
-        .map_or(PLAIN, |(_, class)| class)
+/// The class of the result of a verb: the id of the group of its flags, where that names one, as in
+/// `#[group(id = "PairResult")]`. Subcommands have the class of their verb unless they name another.
+fn result_class(command: &Command) -> Option<&str> {
+    let mut groups = command.get_groups().map(|group| group.get_id().as_str());
+    groups.find(|id| id.ends_with(PLAIN))
 }
 
 /// The description of a command, with a full stop.

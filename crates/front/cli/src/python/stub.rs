@@ -1,6 +1,7 @@
 //! The types of the Python functions, for type checkers and editors.
 
-use super::{Function, Group, PLAIN, RESULTS, Section, python_functions, wrapped};
+use super::{Function, Group, PLAIN, Section, python_functions, wrapped};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 const WIDTH: usize = 110;
@@ -26,9 +27,9 @@ from .results import (
 pub fn python_stub() -> String {
     let groups = python_functions();
     let mut text = HEAD.to_owned();
-    let mut classes = RESULTS.map(|(_, class)| class).to_vec();
-    classes.push(PLAIN);
-    classes.sort_unstable();
+    let functions = groups.iter().flat_map(|group| &group.functions);
+    let mut classes: BTreeSet<&str> = functions.map(|function| &*function.result).collect();
+    classes.insert(PLAIN);
     for class in classes {
         let _ = writeln!(text, "    {class},");
     }

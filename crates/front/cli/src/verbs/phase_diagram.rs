@@ -26,6 +26,7 @@ use std::path::PathBuf;
     "phase-diagram --size-ratio 0.5 --reservoir 0.4,0.5,0.6",
     "phase-diagram --branch fluid.txt --branch solid.txt"
 ))]
+#[group(id = "PhaseDiagramResult")]
 pub struct PhaseDiagramArgs {
     /// Radius of the depletants over that of the spheres; several with commas between them.
     #[arg(long, value_delimiter = ',', value_name = "Q", requires = "reservoir")]

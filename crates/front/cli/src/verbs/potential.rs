@@ -22,6 +22,7 @@ use std::path::PathBuf;
     "potential 5pti.cif.gz --salt 100mM -o bpti.mrc",
     "potential a.body --salt 0.15M --points points.txt --json"
 ))]
+#[group(id = "PotentialResult")]
 pub struct PotentialArgs {
     /// Structure, PQR or body file, optionally gzipped.
     input: PathBuf,

@@ -17,6 +17,7 @@ use std::path::PathBuf;
     "scattering stability -o scattering",
     "scattering ring.json --q-max 0.2 --json"
 ))]
+#[group(id = "ScatteringResult")]
 pub struct ScatteringArgs {
     /// Assembly file, or directory of a simulation or a sweep.
     input: PathBuf,

@@ -1,7 +1,7 @@
 //! The networks that `protomer framework` can build, each with its own flags.
 
 use anyhow::{Result, bail};
-use clap::{Args, Subcommand};
+use clap::{ArgGroup, Args, Subcommand};
 use protomer_common::quantity::length_angstrom;
 use protomer_common::range::Range;
 use protomer_linkage::framework::analytic::Honeycomb;
@@ -42,6 +42,7 @@ pub enum Builder {
     Diamond(DiamondArgs),
     AlphaCristobalite(AlphaCristobaliteArgs),
     /// Tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed.
+    #[command(group = ArgGroup::new("Result"))]
     Tables,
 }
 

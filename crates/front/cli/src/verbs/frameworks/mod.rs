@@ -60,6 +60,7 @@ const MOST_NODES: usize = 1_000_000;
     "framework honeycomb --theta 60 --kh 50 --ks 10000",
     "framework net.toml --load y --stress 1GPa,2GPa -o pulled"
 ))]
+#[group(id = "FrameworkResult")]
 pub struct FrameworkArgs {
     #[command(subcommand)]
     builder: Option<Builder>,

@@ -21,6 +21,7 @@ const MOST_SEEDS: u64 = 10_000;
 /// The same command continues a sweep; more sweeps, packing fractions, pressures and seeds extend it. Over
 /// packing fractions of a fluid, the excess free energy is integrated from no bodies.
 #[derive(Debug, Args)]
+#[group(id = "HardBodySweepResult")]
 pub struct SweepArgs {
     #[command(flatten)]
     system: SystemArgs,

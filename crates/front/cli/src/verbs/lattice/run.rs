@@ -86,6 +86,7 @@ impl DirectoryArgs {
     "lattice run --ns 10 --r0 0.05 --time 3 -o coherent",
     "lattice run square.toml --time 10 -o rhua"
 ))]
+#[group(id = "LatticeResult")]
 pub struct RunArgs {
     #[command(flatten)]
     directory: DirectoryArgs,

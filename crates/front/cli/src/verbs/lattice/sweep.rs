@@ -18,6 +18,7 @@ use protomer_results::End;
     "lattice sweep --ns 4 --r0-list 0.05,0.5,1 --kappa-list 0,10 --seeds 3 -o sweep",
     "lattice sweep --ns 2 --r0-list 0.25,0.5 --seeds 2 --lyapunov -o chaos"
 ))]
+#[group(id = "LatticeSweepResult")]
 pub struct SweepArgs {
     #[command(flatten)]
     directory: DirectoryArgs,

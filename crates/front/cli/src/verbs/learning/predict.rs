@@ -20,6 +20,7 @@ use std::path::PathBuf;
     "predict run new.zarr -o predictions.csv",
     "predict run new.zarr --json"
 ))]
+#[group(id = "PredictResult")]
 pub struct PredictArgs {
     /// Directory of a finished training.
     run: PathBuf,

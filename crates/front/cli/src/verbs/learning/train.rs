@@ -213,6 +213,7 @@ impl NetworkArgs {
     "train set.zarr --target crystal-system --epochs 40 -o run",
     "train --control charge --short -o charge"
 ))]
+#[group(id = "TrainResult")]
 pub struct TrainArgs {
     /// Set of voxels (zarr), made by 'protomer voxelize'.
     #[arg(required_unless_present = "control", conflicts_with = "control")]

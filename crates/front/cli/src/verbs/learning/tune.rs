@@ -25,6 +25,7 @@ use std::path::PathBuf;
     "tune set.zarr --target crystal-system --trials 27 -o search",
     "tune set.zarr --trials 9 --shard 1/4 -o search"
 ))]
+#[group(id = "TuneResult")]
 pub struct TuneArgs {
     /// Set of voxels (zarr), made by 'protomer voxelize'.
     set: PathBuf,

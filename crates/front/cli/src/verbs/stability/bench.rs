@@ -35,6 +35,7 @@ const MOST_CHARGES: usize = 50_000;
     "bench ring.json --salt 300mM --moves 2000",
     "bench --part charges --charges 500"
 ))]
+#[group(id = "BenchResult")]
 pub struct BenchArgs {
     /// Assembly file; left out, the program makes its own states.
     assembly: Option<PathBuf>,

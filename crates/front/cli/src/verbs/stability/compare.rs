@@ -13,6 +13,7 @@ use std::path::PathBuf;
     "compare spin_0 spin_90 -o spins.svg",
     "compare stability --title Ring -o ring.png"
 ))]
+#[group(id = "CompareResult")]
 pub struct CompareArgs {
     /// Sweep directories.
     #[arg(required = true)]

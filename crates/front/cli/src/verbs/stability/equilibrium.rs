@@ -36,6 +36,7 @@ use std::path::{Path, PathBuf};
     "stability 6mdr/assembly.json --salt 50mM..1M/6 --concentration 100nM,1uM -o yields"
 ))]
 #[command(mut_arg("shard", |shard| shard.requires("output")))]
+#[group(id = "StabilityResult")]
 pub struct StabilityArgs {
     /// Assembly file, structure file, or several structure files in one frame; each chain of a structure is a
     /// body.

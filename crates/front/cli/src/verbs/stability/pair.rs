@@ -37,6 +37,7 @@ use std::path::{Path, PathBuf};
     "pair a.body b.body --salt 10mM..1M/8 -o association"
 ))]
 #[command(mut_arg("shard", |shard| shard.requires("output")))]
+#[group(id = "PairResult")]
 pub struct PairArgs {
     /// A body or a structure file.
     first: PathBuf,

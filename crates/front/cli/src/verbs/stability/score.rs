@@ -30,6 +30,7 @@ use std::path::PathBuf;
     "score designs -o scores --columns energy,area,shape",
     "score complexes.csv -o scores --columns affinity,kd --salt 50mM,150mM"
 ))]
+#[group(id = "ScoreResult")]
 pub struct ScoreArgs {
     /// Folder of structure files, list of them (NAME.txt, one file a line), or table (NAME.csv) with the columns
     /// name, and file or receptor and ligand; receptor_chains and ligand_chains where a file has more than two

@@ -122,6 +122,7 @@ pub fn figure_of(directory: &Path, settings: &RunSettings) -> PathBuf {
     "simulate ring.json --salt 100mM -o run",
     "simulate ring.json --salt 0.1M --sweeps 5000 --interaction effective -o run"
 ))]
+#[group(id = "SimulationResult")]
 pub struct SimulateArgs {
     /// Assembly file.
     assembly: PathBuf,

@@ -24,6 +24,7 @@ use std::path::PathBuf;
     "sweep ring.json --salt 10mM..300mM/8 --replicas 4 -o stability",
     "sweep ring.json --salt 10mM,50mM,250mM --starts both --exchange-every 20 -o equilibrium"
 ))]
+#[group(id = "SweepResult")]
 pub struct SweepArgs {
     /// Assembly file.
     assembly: PathBuf,

@@ -28,6 +28,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
     "voxelize --manifest set.csv -o set.zarr --seed 1",
     "voxelize --manifest set.csv --shard 1/4 -o part1.zarr"
 ))]
+#[group(id = "VoxelizeResult")]
 pub struct VoxelizeArgs {
     /// CSV with the columns file, label, cluster and optionally family, name; paths are
     /// relative to its folder.
