@@ -226,11 +226,6 @@ impl Control {
         }
     }
 
-    /// The channels whose subsets an ablation trains.
-    pub fn ablated(self) -> &'static [&'static str] {
-        self.channels()
-    }
-
     /// The network that an experiment of the control trains.
     pub fn network(self, experiment: &Experiment, form: Form) -> NetworkSettings {
         // Recognising forty proteins takes a network that can remember.

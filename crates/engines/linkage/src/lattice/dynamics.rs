@@ -163,12 +163,6 @@ impl Dynamics {
         &self.multipliers
     }
 
-    /// A time step that keeps the energy to about 1e-3: 0.1 r0 / |Δv| of the rod that turns
-    /// fastest, at most `longest`.
-    pub fn good_time_step(&mut self, state: &State, longest: f64) -> f64 {
-        (GOOD_TURN_PER_STEP / self.turning_rate(state)).min(longest)
-    }
-
     fn turning_rate(&mut self, state: &State) -> f64 {
         self.rods
             .largest_turning_rate(&state.positions, &state.velocities)

@@ -177,11 +177,6 @@ impl PairRunSettings {
         self.energies != Energies::Hard && self.medium.debye_length_angstrom.is_none()
     }
 
-    /// Whether nothing but surfaces acts.
-    pub fn is_hard(&self) -> bool {
-        self.energies == Energies::Hard && self.contacts.is_none()
-    }
-
     /// Terms in addition to the charges.
     pub(super) fn further_terms(&self) -> FurtherTerms {
         let terms = StatedTerms {
