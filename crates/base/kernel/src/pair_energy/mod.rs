@@ -213,11 +213,9 @@ impl Term {
             Self::Radial {
                 distances,
                 energies_kt,
-                curve,
-            } => match curve.unwrap_or(Curve::Lines) {
-                Curve::Lines => Box::new(radial::Radial::new(distances, energies_kt)?),
-                Curve::Spline => Box::new(radial::SmoothRadial::new(distances, energies_kt)?),
-            },
+                curve: None | Some(Curve::Lines),
+            } => Box::new(radial::Radial::new(distances, energies_kt)?),
+            Self::Radial { .. } | Self::Charges { .. } => self.smooth_potential()?,
             Self::Patches {
                 range,
                 depth_kt,
@@ -230,16 +228,6 @@ impl Term {
                     *half_angle_degrees,
                     directions,
                 )?)
-            }
-            Self::Charges {
-                positions,
-                charges_e,
-                bjerrum_length,
-                debye_length,
-                cut_off,
-            } => {
-                let screening = charges::Screening::new(*bjerrum_length, *debye_length, *cut_off)?;
-                Box::new(charges::Charges::<D>::new(screening, positions, charges_e)?)
             }
         })
     }
@@ -389,9 +377,9 @@ mod tests {
             assert!((forces.energy_kt - energy(offset, &turns)).abs() < 1e-12);
             for axis in 0..D {
                 // The first body moves, so the offset moves the other way.
-                let shifted = |by: f64| {
+                let shifted = |shift: f64| {
                     let mut offset = offset;
-                    offset[axis] -= by;
+                    offset[axis] -= shift;
                     energy(offset, &turns)
                 };
                 let expected = -(shifted(h) - shifted(-h)) / (2.0 * h);
@@ -400,9 +388,9 @@ mod tests {
             }
             for body in 0..2 {
                 for axis in axes {
-                    let rotated = |by: f64| {
+                    let rotated = |angle: f64| {
                         let mut turns = turns;
-                        turns[body] = Rotation::from_scaled_axis(axis * by) * turns[body];
+                        turns[body] = Rotation::from_scaled_axis(axis * angle) * turns[body];
                         energy(offset, &turns)
                     };
                     let expected = -(rotated(h) - rotated(-h)) / (2.0 * h);
