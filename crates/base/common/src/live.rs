@@ -3,7 +3,7 @@
 //! A run in a directory has a course that its settings fix. A [`Live`] simulation has none: it serves loops of one's
 //! own.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use protomer_io::gsd::Chunk;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -108,6 +108,23 @@ pub trait Live: Send {
 
     /// A frame of a GSD file.
     fn frame(&self) -> Vec<Chunk>;
+}
+
+/// State that [`Live::save`] wrote for a simulation of these things.
+///
+/// ```
+/// use protomer_common::live::restored;
+/// assert_eq!(restored::<(u64, f64)>(b"[3,0.5]", "a walk")?, (3, 0.5));
+/// let message = restored::<(u64, f64)>(b"[3", "a walk").unwrap_err().to_string();
+/// assert_eq!(message, "this is not what a simulation of a walk has saved");
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+///
+/// # Errors
+/// For other bytes.
+pub fn restored<T: DeserializeOwned>(saved: &[u8], things: &str) -> Result<T> {
+    serde_json::from_slice(saved)
+        .with_context(|| format!("this is not what a simulation of {things} has saved"))
 }
 
 /// Settings with some of their keys replaced.

@@ -27,6 +27,18 @@ pub struct Work {
     pub input_sha256: String,
 }
 
+impl Work {
+    /// The work of a verb, by what its settings and its input hash to.
+    pub fn new(kind: ResultKind, verb: &'static str, identity: &str, input_sha256: &str) -> Self {
+        Self {
+            kind,
+            verb,
+            identity: identity.to_owned(),
+            input_sha256: input_sha256.to_owned(),
+        }
+    }
+}
+
 /// Status of a run: running, or how it ended.
 ///
 /// ```
@@ -56,12 +68,7 @@ pub enum Exit {
 /// ```
 /// use protomer_results::{Exit, Record, ResultKind, Work};
 /// # let folder = tempfile::tempdir().unwrap();
-/// let work = Work {
-///     kind: ResultKind::LatticeRun,
-///     verb: "lattice run",
-///     identity: "5f2c".into(),
-///     input_sha256: String::new(),
-/// };
+/// let work = Work::new(ResultKind::LatticeRun, "lattice run", "5f2c", "");
 /// let record = Record { done: Some(200), ..Record::new(&work, Exit::Done) };
 /// record.write(folder.path()).unwrap();
 /// assert_eq!(Record::read(folder.path()).unwrap(), Some(record));
@@ -326,12 +333,7 @@ mod tests {
     use super::*;
 
     fn record(exit: Exit, details: Value) -> Record {
-        let work = Work {
-            kind: ResultKind::Sweep,
-            verb: "sweep",
-            identity: "a".into(),
-            input_sha256: "b".into(),
-        };
+        let work = Work::new(ResultKind::Sweep, "sweep", "a", "b");
         Record {
             done: Some(7),
             details,
@@ -341,8 +343,8 @@ mod tests {
 
     #[test]
     fn what_kept_a_part_from_its_end_is_said_with_how_far_it_came() {
-        let stopped = |by: Option<&str>| Exit::Stopped {
-            by: by.map(str::to_owned),
+        let stopped = |cause: Option<&str>| Exit::Stopped {
+            by: cause.map(str::to_owned),
         };
         let cases = [
             (Exit::Done, None),

@@ -302,7 +302,7 @@ mod tests {
         let samples: Vec<Row> = (0..40)
             .map(|number| row(number, &format!("c{number}")))
             .collect();
-        let of = |outside: f32| {
+        let drifts = |outside: f32| {
             let mut gathering = gathering(&samples);
             let inside = gathering.samples.clone();
             assert!(inside.len() > 20 && inside.len() < 35);
@@ -316,8 +316,8 @@ mod tests {
             }
             gathering.finish()
         };
-        assert_eq!(of(1e4), of(-7.0));
-        assert_eq!(of(0.0).over, "training part");
+        assert_eq!(drifts(1e4), drifts(-7.0));
+        assert_eq!(drifts(0.0).over, "training part");
     }
 
     /// The slow twin: all values in a list.

@@ -37,8 +37,8 @@ pub fn film(title: &str, label: &str, states: &[Framework]) -> Option<String> {
     let view = View::new(patches.iter());
     let paths: Vec<String> = patches.iter().map(|patch| path(patch, &view)).collect();
     // There and back again, both ends once.
-    let there = paths.iter().map(String::as_str);
-    let shapes: Vec<&str> = there.clone().chain(there.rev().skip(1)).collect();
+    let forth = paths.iter().map(String::as_str);
+    let shapes: Vec<&str> = forth.clone().chain(forth.rev().skip(1)).collect();
     Some(format!(
         "<svg width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" xmlns=\"http://www.w3.org/2000/svg\" \
          font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{MARGIN}\" \

@@ -5,8 +5,8 @@ use super::log::LogRow;
 use super::settings::LatticeSettings;
 use super::start::{Begun, begin, begin_from, time_step};
 use super::trajectory::{frame, header};
-use anyhow::{Context, Result, bail};
-use protomer_common::live::{Arrays, Column, Live, changed, refuse_others, take};
+use anyhow::{Result, bail};
+use protomer_common::live::{Arrays, Column, Live, changed, refuse_others, restored, take};
 use protomer_io::gsd::Chunk;
 use protomer_linkage::lattice::paper::PaperStatistics;
 use protomer_linkage::lattice::{Mover, State};
@@ -271,8 +271,7 @@ impl Live for LiveLattice {
     }
 
     fn restore(&mut self, saved: &[u8]) -> Result<()> {
-        let saved: Saved = serde_json::from_slice(saved)
-            .context("this is not what a simulation of a lattice has saved")?;
+        let saved: Saved = restored(saved, "a lattice")?;
         if saved.settings.plan() != self.settings.plan() {
             bail!("the saved state is of another lattice; restore one of this simulation");
         }

@@ -485,12 +485,12 @@ impl Run for LatticeRun<'_> {
     const CHECKPOINT_KIND: &'static str = "lattice checkpoint";
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::LatticeRun,
-            verb: "lattice run",
-            identity: self.identity.clone(),
-            input_sha256: self.begun.input_sha256.clone(),
-        }
+        Work::new(
+            ResultKind::LatticeRun,
+            "lattice run",
+            &self.identity,
+            &self.begun.input_sha256,
+        )
     }
 
     fn length(&self) -> u64 {

@@ -316,8 +316,8 @@ mod tests {
         // Using the older one makes it the younger one.
         load(&cache, "a1").unwrap().unwrap();
         cache.store("a3", ten).unwrap();
-        let there = |key: &str| cache.path(key).exists();
-        assert!(there("a1") && !there("a2") && there("a3"));
+        let exists = |key: &str| cache.path(key).exists();
+        assert!(exists("a1") && !exists("a2") && exists("a3"));
         assert!(!abandoned.exists());
         for name in ["letter.table", "ab.txt", ".letter.partial"] {
             assert!(folder.path().join(name).exists(), "{name}");
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn the_folder_follows_the_environment() {
-        let of = |variables: &'static [(&str, &str)]| {
+        let chosen = |variables: &'static [(&str, &str)]| {
             DiskCache::from_environment(|name| {
                 variables
                     .iter()
@@ -336,22 +336,22 @@ mod tests {
             .map(|cache| cache.folder)
         };
         let folder = |path: &str| Some(PathBuf::from(path));
-        assert_eq!(of(&[]), None);
-        assert_eq!(of(&[("HOME", "/home/a"), (FOLDER_VARIABLE, "")]), None);
+        assert_eq!(chosen(&[]), None);
+        assert_eq!(chosen(&[("HOME", "/home/a"), (FOLDER_VARIABLE, "")]), None);
         assert_eq!(
-            of(&[("HOME", "/home/a")]),
+            chosen(&[("HOME", "/home/a")]),
             folder("/home/a/.cache/protomer")
         );
         assert_eq!(
-            of(&[("HOME", "/home/a"), ("XDG_CACHE_HOME", "/c")]),
+            chosen(&[("HOME", "/home/a"), ("XDG_CACHE_HOME", "/c")]),
             folder("/c/protomer")
         );
         assert_eq!(
-            of(&[("HOME", "/home/a"), ("XDG_CACHE_HOME", "c")]),
+            chosen(&[("HOME", "/home/a"), ("XDG_CACHE_HOME", "c")]),
             folder("/home/a/.cache/protomer")
         );
         assert_eq!(
-            of(&[("XDG_CACHE_HOME", "/c"), (FOLDER_VARIABLE, "mine")]),
+            chosen(&[("XDG_CACHE_HOME", "/c"), (FOLDER_VARIABLE, "mine")]),
             folder("mine")
         );
     }

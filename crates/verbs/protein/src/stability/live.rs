@@ -2,8 +2,10 @@
 
 use crate::stability::run::columns::Measured;
 use crate::stability::run::{Engine, GivenState, LogRow, Replica, RunSettings, frame, header};
-use anyhow::{Context, Result, bail};
-use protomer_common::live::{Arrays, Column, Live, changed, refuse_others, require_rows, take};
+use anyhow::{Result, bail};
+use protomer_common::live::{
+    Arrays, Column, Live, changed, refuse_others, require_rows, restored, take,
+};
 use protomer_io::gsd::Chunk;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::{Checkpoint, Simulation};
@@ -209,15 +211,12 @@ impl Live for LiveAssembly {
     }
 
     fn save(&self) -> Result<Vec<u8>> {
-        Ok(serde_json::to_vec(&(
-            &self.settings,
-            self.simulation.checkpoint(),
-        ))?)
+        let saved = (&self.settings, self.simulation.checkpoint());
+        Ok(serde_json::to_vec(&saved)?)
     }
 
     fn restore(&mut self, saved: &[u8]) -> Result<()> {
-        let (settings, checkpoint): (RunSettings, Checkpoint) = serde_json::from_slice(saved)
-            .context("this is not what a simulation of an assembly has saved")?;
+        let (settings, checkpoint): (RunSettings, Checkpoint) = restored(saved, "an assembly")?;
         let interaction = settings
             .medium
             .interaction(settings.salt_molar.first().copied())?;

@@ -7,8 +7,8 @@ use super::settings::DynamicsSettings;
 use super::start::kinds;
 use super::trajectory::{frame, header};
 use crate::given_state::{GivenState, given_arrays, replaced};
-use anyhow::{Context, Result, bail};
-use protomer_common::live::{Arrays, Column, Live, Rows, changed};
+use anyhow::{Result, bail};
+use protomer_common::live::{Arrays, Column, Live, Rows, changed, restored};
 use protomer_io::gsd::Chunk;
 use protomer_kernel::{Boundary, Vec3};
 use protomer_md::engine::{Engine, Motion};
@@ -214,15 +214,12 @@ impl Live for LiveDynamics {
     }
 
     fn save(&self) -> Result<Vec<u8>> {
-        Ok(serde_json::to_vec(&(
-            &self.schedule.settings,
-            self.engine.motion(),
-        ))?)
+        let saved = (&self.schedule.settings, self.engine.motion());
+        Ok(serde_json::to_vec(&saved)?)
     }
 
     fn restore(&mut self, saved: &[u8]) -> Result<()> {
-        let (settings, motion): (DynamicsSettings, Motion) = serde_json::from_slice(saved)
-            .context("this is not what a simulation of bodies in motion has saved")?;
+        let (settings, motion): (DynamicsSettings, Motion) = restored(saved, "bodies in motion")?;
         if motion.state.positions.len() != self.count()
             || settings.shape != self.schedule.settings.shape
         {

@@ -297,12 +297,12 @@ impl Run for DynamicsRun<'_> {
     const CHECKPOINT_KIND: &'static str = CHECKPOINT_KIND;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::DynamicsRun,
-            verb: "md run",
-            identity: self.identity.clone(),
-            input_sha256: self.schedule.begun.input_sha256.clone(),
-        }
+        Work::new(
+            ResultKind::DynamicsRun,
+            "md run",
+            &self.identity,
+            &self.schedule.begun.input_sha256,
+        )
     }
 
     fn length(&self) -> u64 {

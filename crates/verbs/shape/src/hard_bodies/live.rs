@@ -6,8 +6,8 @@ use super::run::{Prepared, engine, measure};
 use super::settings::HardBodySettings;
 use super::trajectory::{frame, header};
 use crate::given_state::{given_arrays, is_state, replaced};
-use anyhow::{Context, Result, bail};
-use protomer_common::live::{Arrays, Column, Live, changed};
+use anyhow::{Result, bail};
+use protomer_common::live::{Arrays, Column, Live, changed, restored};
 use protomer_hpmc::mixture::Mixture;
 use protomer_hpmc::simulation::{Simulation, State};
 use protomer_hpmc::start::{Placed, Start};
@@ -233,15 +233,12 @@ impl<const D: usize> Live for LiveHardBodies<D> {
     }
 
     fn save(&self) -> Result<Vec<u8>> {
-        Ok(serde_json::to_vec(&(
-            &self.settings,
-            self.simulation.state(),
-        ))?)
+        let saved = (&self.settings, self.simulation.state());
+        Ok(serde_json::to_vec(&saved)?)
     }
 
     fn restore(&mut self, saved: &[u8]) -> Result<()> {
-        let (settings, state): (HardBodySettings, State) = serde_json::from_slice(saved)
-            .context("this is not what a simulation of hard bodies has saved")?;
+        let (settings, state): (HardBodySettings, State) = restored(saved, "hard bodies")?;
         let bodies = |settings: &HardBodySettings| {
             (
                 settings.shape.clone(),

@@ -345,12 +345,12 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
     const CHECKPOINT_KIND: &'static str = CHECKPOINT_KIND;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::HardBodies,
-            verb: "hpmc run",
-            identity: self.identity.clone(),
-            input_sha256: self.input_sha256.clone(),
-        }
+        Work::new(
+            ResultKind::HardBodies,
+            "hpmc run",
+            &self.identity,
+            &self.input_sha256,
+        )
     }
 
     fn length(&self) -> u64 {

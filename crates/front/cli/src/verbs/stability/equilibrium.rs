@@ -17,12 +17,12 @@ use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::DEFAULT_CONTACT_GAP_ANGSTROM;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::equilibrium::{
-    GrowthSettings, StabilityBodies, StabilitySettings, StructureChoices, Way, WindowSettings,
-    refuse_other_settings, run_stability, run_stability_shard,
+    GrowthSettings, LAYOUT, StabilityBodies, StabilitySettings, StructureChoices, Way,
+    WindowSettings, run_stability, run_stability_shard,
 };
 use protomer_protein_verbs::stability::interaction::InteractionSettings;
 use protomer_protein_verbs::stability::model::Model;
-use protomer_results::{End, Execution};
+use protomer_results::{End, Execution, ResultsDirectory};
 use std::path::{Path, PathBuf};
 
 /// Say how much of an assembly there is at equilibrium, up to which salt: yields of the whole and of its
@@ -110,7 +110,7 @@ impl StabilityArgs {
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let execution = self.execution.execution(front)?;
         if let Some(directory) = &self.output {
-            refuse_other_settings(&settings, directory, &execution)?;
+            ResultsDirectory::refuse_other_settings(directory, &LAYOUT, &settings, &execution)?;
         }
         let mut body = self.named_model().body_settings();
         body.selection = self.selection.settings();

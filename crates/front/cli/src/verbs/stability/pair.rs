@@ -21,10 +21,10 @@ use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::effective::SoluteModel;
 use protomer_protein_verbs::stability::model::Model;
 use protomer_protein_verbs::stability::pair::{
-    Energies, PairBodies, PairRunSettings, refuse_other_settings, run_pair, run_pair_shard,
+    Energies, LAYOUT, PairBodies, PairRunSettings, run_pair, run_pair_shard,
 };
 use protomer_protein_verbs::stability::terms::StatedTerms;
-use protomer_results::{End, Execution};
+use protomer_results::{End, Execution, ResultsDirectory};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -98,7 +98,7 @@ impl PairArgs {
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let execution = self.execution.execution(front)?;
         if let Some(directory) = &self.output {
-            refuse_other_settings(&settings, directory, &execution)?;
+            ResultsDirectory::refuse_other_settings(directory, &LAYOUT, &settings, &execution)?;
         }
         let body = self
             .model

@@ -16,9 +16,9 @@ use protomer_protein_verbs::stability::binding::BindingSettings;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::model::Model;
 use protomer_protein_verbs::stability::score::{
-    Complexes, Measure, ScoreSettings, refuse_other_settings, run_score, run_score_shard,
+    Complexes, LAYOUT, Measure, ScoreSettings, run_score, run_score_shard,
 };
-use protomer_results::End;
+use protomer_results::{End, ResultsDirectory};
 use std::path::PathBuf;
 
 /// Score many complexes or designs: a folder or a table of structures in, a table with a row for each out. The
@@ -94,7 +94,7 @@ impl ScoreArgs {
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let execution = self.execution.execution(front)?;
-        refuse_other_settings(&settings, &self.output, &execution)?;
+        ResultsDirectory::refuse_other_settings(&self.output, &LAYOUT, &settings, &execution)?;
         let complexes = match self.crystal {
             true => Complexes::of_crystals(&self.source, &self.selection.settings())?,
             false => Complexes::read(&self.source, &self.bodies.body)?,

@@ -243,12 +243,12 @@ impl Run for TrainingRun<'_> {
     type Error = Error;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::Training,
-            verb: "train",
-            identity: self.identity.clone(),
-            input_sha256: self.settings.source.digest().to_owned(),
-        }
+        Work::new(
+            ResultKind::Training,
+            "train",
+            &self.identity,
+            self.settings.source.digest(),
+        )
     }
 
     fn length(&self) -> u64 {

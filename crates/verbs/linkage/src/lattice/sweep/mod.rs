@@ -146,12 +146,12 @@ impl Campaign for Sweep<'_> {
     const ENTERS_DIRECTORIES: bool = true;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::LatticeSweep,
-            verb: "lattice sweep",
-            identity: self.identity.clone(),
-            input_sha256: String::new(),
-        }
+        Work::new(
+            ResultKind::LatticeSweep,
+            "lattice sweep",
+            &self.identity,
+            "",
+        )
     }
 
     fn tasks(&self) -> &[Task] {

@@ -273,16 +273,18 @@ fn a_disulfide_bond_is_a_proposal_with_its_flag() {
     );
 }
 
+/// A chain in a row whose middle atom stands this high, with an atom at its side.
+fn arch(chain: char, height: f64, y: f64) -> String {
+    let places = [0.0, 0.0, height, 0.0, 0.0].into_iter().enumerate();
+    let row: String = places
+        .map(|(k, z)| atom("C", "GLY", chain, k as i32 + 1, [1.5 * k as f64, y, z]))
+        .collect();
+    row + &atom("C", "GLY", chain, 6, [3.0, y + 3.0, 0.0])
+}
+
 /// The middle atom of B lies elsewhere than that of A, and near the place where A has it is C.
 #[test]
 fn a_copy_keeps_its_own_shape_where_the_shared_one_would_overlap() {
-    let arch = |chain, height: f64, y: f64| {
-        let places = [0.0, 0.0, height, 0.0, 0.0].into_iter().enumerate();
-        let row: String = places
-            .map(|(k, z)| atom("C", "GLY", chain, k as i32 + 1, [1.5 * k as f64, y, z]))
-            .collect();
-        row + &atom("C", "GLY", chain, 6, [3.0, y + 3.0, 0.0])
-    };
     let text =
         arch('A', 3.0, 0.0) + &arch('B', 0.0, 20.0) + &atom("C", "ALA", 'C', 1, [3.0, 20.0, 3.5]);
     let (fitting, _) = made(std::slice::from_ref(&text), &settings()).unwrap();
@@ -317,15 +319,8 @@ fn a_copy_keeps_its_own_shape_where_the_shared_one_would_overlap() {
 /// A copy that is bent away from its partner, which the shape of the reference would not touch.
 #[test]
 fn a_copy_keeps_its_own_shape_where_the_shared_one_would_lose_contacts() {
-    let bent = |chain, height: f64, y: f64| {
-        let places = [0.0, 0.0, height, 0.0, 0.0].into_iter().enumerate();
-        let row: String = places
-            .map(|(k, z)| atom("C", "GLY", chain, k as i32 + 1, [1.5 * k as f64, y, z]))
-            .collect();
-        row + &atom("C", "GLY", chain, 6, [3.0, y + 3.0, 0.0])
-    };
     let text =
-        bent('A', 0.0, 0.0) + &bent('B', 3.0, 20.0) + &atom("C", "ALA", 'C', 1, [3.0, 20.0, 7.0]);
+        arch('A', 0.0, 0.0) + &arch('B', 3.0, 20.0) + &atom("C", "ALA", 'C', 1, [3.0, 20.0, 7.0]);
     let (fitting, _) = made(std::slice::from_ref(&text), &settings()).unwrap();
     assert_eq!(fitting.native_contacts_kept, Some(1.0));
     let [shape] = &fitting.own_shapes[..] else {

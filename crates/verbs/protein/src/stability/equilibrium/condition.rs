@@ -255,12 +255,12 @@ impl Run for Condition<'_> {
     type Error = Error;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::EquilibriumCondition,
-            verb: "stability",
-            identity: self.identity.clone(),
-            input_sha256: self.input_sha256.clone(),
-        }
+        Work::new(
+            ResultKind::EquilibriumCondition,
+            "stability",
+            &self.identity,
+            &self.input_sha256,
+        )
     }
 
     fn length(&self) -> u64 {

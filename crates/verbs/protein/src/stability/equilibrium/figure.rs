@@ -2,8 +2,9 @@
 
 use super::answer::condition_in_words;
 use super::result::{HalfSaltRow, StabilityResult, concentration_in_words};
+use crate::stability::sweep::figure::half_salt;
 use anyhow::Result;
-use protomer_plot::{Axis, Figure, Panel, Point, Series, Span};
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::path::Path;
 
 /// Curves of parts next to that of the whole.
@@ -112,22 +113,10 @@ fn name(result: &StabilityResult, half: &HalfSaltRow) -> String {
     }
 }
 
-/// The salt at which one half is left. An open interval reaches to the end of the table.
+/// The salt at which one half is left.
 fn span(result: &StabilityResult, half: &HalfSaltRow) -> Option<Series> {
-    let (salt, [low, high]) = half.half_salt_molar.zip(half.half_salt_interval_molar)?;
-    let salts = &result.settings.salt_molar;
-    let lowest = salts.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = salts.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Some(Series {
-        name: "half, and its interval of 95 %".into(),
-        spans: vec![Span {
-            x: 1e3 * salt,
-            y: 0.5,
-            from: 1e3 * low.unwrap_or(lowest),
-            to: 1e3 * high.unwrap_or(highest),
-        }],
-        ..Series::default()
-    })
+    let half = half.half_salt_molar.zip(half.half_salt_interval_molar)?;
+    Some(half_salt(&result.settings.salt_molar, half))
 }
 
 fn caption(result: &StabilityResult) -> String {

@@ -5,9 +5,9 @@ use crate::assemblies::assembly_file::Assembly;
 use crate::assemblies::structure::{CopyShapes, StructureSettings, structure_in_memory};
 use crate::bodies::chain_groups::ChainNames;
 use crate::file_kind::FileKind;
+use crate::stability::pair::protonations;
 use anyhow::{Result, bail};
 use protomer_body::BodySettings;
-use protomer_body::chemistry::StructureProtonation;
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::Boundary;
 use std::path::{Path, PathBuf};
@@ -100,7 +100,9 @@ impl StabilityBodies {
         let mut hashes = String::new();
         for ph in settings.ph_values() {
             let mut at_salts = Vec::new();
-            for protonation in protonations(settings) {
+            let kelvin = settings.medium.temperature_kelvin;
+            let protonations = protonations(settings.protonation, &settings.salt_molar, kelvin);
+            for protonation in protonations {
                 let mut body = choices.body.clone();
                 body.sites.ph = ph.unwrap_or(body.sites.ph);
                 body.sites.structure = protonation;
@@ -148,16 +150,4 @@ impl StabilityBodies {
 
 fn is_assembly(file: &Path) -> bool {
     matches!(FileKind::from_path(file), Some(FileKind::Assembly))
-}
-
-/// Conditions of the protonation at each salt; one that is none for pKa values in water.
-fn protonations(settings: &StabilitySettings) -> Vec<Option<StructureProtonation>> {
-    let Some(titration) = settings.protonation else {
-        return vec![None];
-    };
-    let kelvin = settings.medium.temperature_kelvin;
-    let salts = settings.salt_molar.iter();
-    salts
-        .map(|salt_molar| Some(titration.conditions(*salt_molar, kelvin)))
-        .collect()
 }

@@ -60,7 +60,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// The directory of an equilibrium.
-const LAYOUT: Layout = Layout {
+pub const LAYOUT: Layout = Layout {
     kind: ResultKind::Equilibrium,
     settings: "run.toml",
     results: &[
@@ -117,7 +117,7 @@ pub fn run_stability(
     execution: &Execution,
 ) -> Result<End<StabilityResult>> {
     settings.check()?;
-    refuse_other_settings(settings, directory, execution)?;
+    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, settings, execution)?;
     let plan = Plan::new(bodies.first(), &bodies.names, settings, prepare)?;
     let conditions = Conditions::new(bodies, &plan, settings, prepare, directory)?;
     carry_out(&conditions, directory, &LAYOUT, settings, execution)
@@ -138,23 +138,10 @@ pub fn run_stability_shard(
     execution: &Execution,
 ) -> Result<End<usize>> {
     settings.check()?;
-    refuse_other_settings(settings, directory, execution)?;
+    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, settings, execution)?;
     let plan = Plan::new(bodies.first(), &bodies.names, settings, prepare)?;
     let conditions = Conditions::new(bodies, &plan, settings, prepare, directory)?;
     carry_out_shard(&conditions, directory, &LAYOUT, settings, shard, execution)
-}
-
-/// Refuses a directory with other settings, before bodies are read and parts planned.
-///
-/// # Errors
-/// If the directory holds other work or other settings, and there is no new start.
-pub fn refuse_other_settings(
-    settings: &StabilitySettings,
-    directory: &Path,
-    execution: &Execution,
-) -> Result<()> {
-    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, settings, execution)?;
-    Ok(())
 }
 
 /// All conditions of an equilibrium.
@@ -211,12 +198,12 @@ impl<'a> Campaign for Conditions<'a> {
     type Error = Error;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::Equilibrium,
-            verb: "stability",
-            identity: self.identity.clone(),
-            input_sha256: self.bodies.sha256.clone(),
-        }
+        Work::new(
+            ResultKind::Equilibrium,
+            "stability",
+            &self.identity,
+            &self.bodies.sha256,
+        )
     }
 
     /// Tells a report where to find the bodies.

@@ -409,12 +409,12 @@ mod tests {
 
     #[test]
     fn a_line_of_conditions_has_no_map() {
-        let of = |kept: fn(&ConditionResult) -> bool| {
+        let figure = |kept: fn(&ConditionResult) -> bool| {
             map(&result(grid().into_iter().filter(kept).collect()))
         };
-        assert!(of(|_| true).is_some());
-        assert!(of(|condition| condition.ph == Some(7.0)).is_none());
-        assert!(of(|condition| condition.salt_molar == Some(0.1)).is_none());
+        assert!(figure(|_| true).is_some());
+        assert!(figure(|condition| condition.ph == Some(7.0)).is_none());
+        assert!(figure(|condition| condition.salt_molar == Some(0.1)).is_none());
         let mut unknown = grid();
         unknown[0].salt_molar = None;
         assert!(map(&result(unknown)).is_none());

@@ -5,7 +5,7 @@ use crate::bodies::ingest::read_and_build;
 use crate::stability::effective::EffectiveStore;
 use crate::stability::pair::PairRunSettings;
 use anyhow::{Context, Result, bail};
-use protomer_body::chemistry::StructureProtonation;
+use protomer_body::chemistry::{StructureProtonation, StructureTitration};
 use protomer_body::{Body, BodySettings};
 use protomer_common::input::{path_from, stem};
 use protomer_io::atomic::sha256_hex;
@@ -99,7 +99,11 @@ impl PairBodies {
             false => ph.iter().copied().map(Some).collect(),
         };
         let (mut pairs, mut warnings) = (Vec::new(), Vec::new());
-        let protonations = protonations(run);
+        let protonations = protonations(
+            run.protonation,
+            &run.salt_molar,
+            run.medium.temperature_kelvin,
+        );
         for ph in &ph {
             let mut at_salts = Vec::with_capacity(protonations.len());
             for protonation in &protonations {
@@ -220,16 +224,17 @@ fn sha256(file: &Path) -> Result<String> {
     Ok(sha256_hex(&bytes))
 }
 
-/// Conditions of the protonation at each salt; one that is none for pKa values in water.
-fn protonations(run: &PairRunSettings) -> Vec<Option<StructureProtonation>> {
-    let Some(titration) = run.protonation else {
+/// Conditions of the protonation at each salt (mol/L); one that is none for pKa values in water.
+pub(in crate::stability) fn protonations(
+    titration: Option<StructureTitration>,
+    salt_molar: &[f64],
+    temperature_kelvin: f64,
+) -> Vec<Option<StructureProtonation>> {
+    let Some(titration) = titration else {
         return vec![None];
     };
-    let kelvin = run.medium.temperature_kelvin;
-    let salts = run.salt_molar.iter();
-    salts
-        .map(|salt_molar| Some(titration.conditions(*salt_molar, kelvin)))
-        .collect()
+    let conditions = |salt: &f64| Some(titration.conditions(*salt, temperature_kelvin));
+    salt_molar.iter().map(conditions).collect()
 }
 
 fn prepare(file: &Path, settings: &BodySettings, warnings: &mut Vec<String>) -> Result<Prepared> {

@@ -32,6 +32,7 @@ mod result;
 mod settings;
 
 pub use input::PairBodies;
+pub(super) use input::protonations;
 pub use protomer_mc::contributions::ResiduePlaces;
 pub use residues::ResidueTable;
 pub use result::{ConditionResult, PairResult, PoseResult};
@@ -40,14 +41,14 @@ pub use settings::{Energies, PairRunSettings};
 use anyhow::{Error, Result};
 use condition::Condition;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, carry_out,
-    carry_out_shard, drive, settings as stored,
+    Campaign, End, Execution, Layout, ResultKind, Shard, Work, carry_out, carry_out_shard, drive,
+    settings as stored,
 };
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// The directory of a pair.
-const LAYOUT: Layout = Layout {
+pub const LAYOUT: Layout = Layout {
     kind: ResultKind::Pair,
     settings: "run.toml",
     results: &[
@@ -121,19 +122,6 @@ pub fn run_pair_shard(
     carry_out_shard(&conditions, directory, &LAYOUT, settings, shard, execution)
 }
 
-/// Refuses a directory with other settings, before bodies are read.
-///
-/// # Errors
-/// If the directory holds other work or other settings, and there is no new start.
-pub fn refuse_other_settings(
-    settings: &PairRunSettings,
-    directory: &Path,
-    execution: &Execution,
-) -> Result<()> {
-    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, settings, execution)?;
-    Ok(())
-}
-
 /// All conditions of a pair.
 struct Conditions<'a> {
     bodies: &'a PairBodies,
@@ -179,12 +167,12 @@ impl<'a> Campaign for Conditions<'a> {
     type Error = Error;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::Pair,
-            verb: "pair",
-            identity: self.identity.clone(),
-            input_sha256: self.bodies.sha256.clone(),
-        }
+        Work::new(
+            ResultKind::Pair,
+            "pair",
+            &self.identity,
+            &self.bodies.sha256,
+        )
     }
 
     /// Tells a report where to find the surfaces of the bodies.

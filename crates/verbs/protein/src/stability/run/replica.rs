@@ -95,12 +95,12 @@ impl Run for Replica<'_> {
     type Error = Error;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::Simulation,
-            verb: "simulate",
-            identity: self.identity.into(),
-            input_sha256: self.engine.assembly().sha256.clone(),
-        }
+        Work::new(
+            ResultKind::Simulation,
+            "simulate",
+            self.identity,
+            &self.engine.assembly().sha256,
+        )
     }
 
     fn length(&self) -> u64 {

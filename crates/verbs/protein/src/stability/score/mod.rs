@@ -54,8 +54,8 @@ use anyhow::{Context, Error, Result};
 use complex::score;
 use protomer_common::cpu_time::ProcessClock;
 use protomer_results::{
-    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, carry_out,
-    carry_out_shard, settings as stored,
+    Campaign, End, Execution, Layout, ResultKind, Shard, Work, carry_out, carry_out_shard,
+    settings as stored,
 };
 use record::ScoreRecord;
 use result::Cost;
@@ -65,7 +65,7 @@ use std::time::Instant;
 use table::ScoreTable;
 
 /// The directory of scores.
-const LAYOUT: Layout = Layout {
+pub const LAYOUT: Layout = Layout {
     kind: ResultKind::Scores,
     settings: "run.toml",
     results: &[
@@ -133,19 +133,6 @@ pub fn run_score_shard(
     carry_out_shard(&scores, directory, &LAYOUT, settings, shard, execution)
 }
 
-/// Refuses a directory with other settings, before structures are read.
-///
-/// # Errors
-/// If the directory holds other work or other settings, and there is no new start.
-pub fn refuse_other_settings(
-    settings: &ScoreSettings,
-    directory: &Path,
-    execution: &Execution,
-) -> Result<()> {
-    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, settings, execution)?;
-    Ok(())
-}
-
 /// All complexes with their settings.
 struct Scores<'a> {
     complexes: &'a Complexes,
@@ -184,12 +171,7 @@ impl Campaign for Scores<'_> {
     type Error = Error;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::Scores,
-            verb: "score",
-            identity: self.identity.clone(),
-            input_sha256: String::new(),
-        }
+        Work::new(ResultKind::Scores, "score", &self.identity, "")
     }
 
     fn tasks(&self) -> &[StatedComplex] {

@@ -137,7 +137,8 @@ fn panel(result: &SweepResult, groups: &[Group], observable: &Observable<'_>) ->
     for group in groups {
         series.push(curve(result, group, observable)?);
     }
-    series.extend(observable.half.map(|half| half_salt(result, half)));
+    let salts = &result.settings.salt_molar;
+    series.extend(observable.half.map(|half| half_salt(salts, half)));
     Some(Panel {
         y: observable.axis.clone(),
         series,
@@ -174,12 +175,13 @@ fn curve(result: &SweepResult, group: &Group, observable: &Observable<'_>) -> Op
     Some(curve)
 }
 
-/// The salt at which one half is left. An open interval reaches to the end of the sweep.
-fn half_salt(result: &SweepResult, (salt, interval): (f64, [Option<f64>; 2])) -> Series {
-    let salts = &result.settings.salt_molar;
+/// The salt at which one half is left (mol/L), with its interval. An open one reaches to the end of the salts.
+pub(in crate::stability) fn half_salt(
+    salts: &[f64],
+    (salt, [low, high]): (f64, [Option<f64>; 2]),
+) -> Series {
     let lowest = salts.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = salts.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let [low, high] = interval;
     Series {
         name: "half, and its interval of 95 %".into(),
         spans: vec![Span {

@@ -410,12 +410,12 @@ impl Campaign for Sweep<'_> {
     type Error = Error;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::Sweep,
-            verb: "sweep",
-            identity: self.identity.clone(),
-            input_sha256: self.engine.assembly().sha256.clone(),
-        }
+        Work::new(
+            ResultKind::Sweep,
+            "sweep",
+            &self.identity,
+            &self.engine.assembly().sha256,
+        )
     }
 
     /// Tells a report where to find the shapes of the bodies.

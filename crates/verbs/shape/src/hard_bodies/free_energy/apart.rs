@@ -194,16 +194,7 @@ impl<const D: usize> Run for Strength<'_, D> {
             Some(saved) => (saved.log, saved.plan, Some(saved.walker)),
             None => (LogMark::default(), self.all.plan()?, None),
         };
-        let point = plan
-            .points
-            .get(self.number)
-            .context("the checkpoint has other strengths; start again with --force")?;
-        let (stream, strength) = (self.number as u32, point.strength);
-        let measurement = &self.all.run.measurement;
-        let walker = match &state {
-            Some(state) => measurement.resume(stream, strength, plan.turning, state)?,
-            None => measurement.start(stream, strength, plan.turning)?,
-        };
+        let walker = self.all.run.walker(self.number, &plan, state.as_ref())?;
         let log = Log::open::<ExtentRow>(&directory.join(LOG), &mark)?;
         Ok(Open { plan, walker, log })
     }

@@ -102,13 +102,7 @@ pub fn run_free_energy(
     execution: &Execution,
 ) -> Result<End<FreeEnergyResult>> {
     settings.check()?;
-    let shape = BodyShape::read(&settings.shape)?;
-    let whole = Whole { path, execution };
-    match shape.dimension() {
-        1 => in_dimension::<1, _>(settings, &shape, whole),
-        2 => in_dimension::<2, _>(settings, &shape, whole),
-        _ => in_dimension::<3, _>(settings, &shape, whole),
-    }
+    prepared(settings, &|run| run.carry_out(path, execution))
 }
 
 /// Runs or continues some strengths of the springs, while other processes do others in the same directory; returns
@@ -128,69 +122,41 @@ pub fn run_shard(
             "the sweeps of each strength depend on the errors of the others, so they cannot be shared; add --share even"
         );
     }
-    let shape = BodyShape::read(&settings.shape)?;
-    let part = InPart {
-        path,
-        shard,
-        execution,
-    };
-    match shape.dimension() {
-        1 => in_dimension::<1, _>(settings, &shape, part),
-        2 => in_dimension::<2, _>(settings, &shape, part),
-        _ => in_dimension::<3, _>(settings, &shape, part),
-    }
+    prepared(settings, &|run| run.carry_out_part(path, shard, execution))
 }
 
 /// Work on a free energy whose settings have been checked, in any number of dimensions.
-trait Carrying {
-    type Answer;
+trait Prepared {
+    /// Does all of it.
+    fn carry_out(&self, path: &Path, execution: &Execution) -> Result<End<FreeEnergyResult>>;
 
-    fn carry_out<const D: usize>(self, run: &FreeEnergyRun<'_, D>) -> Result<End<Self::Answer>>;
+    /// Does some strengths, alongside other processes; returns their number.
+    fn carry_out_part(
+        &self,
+        path: &Path,
+        shard: Shard,
+        execution: &Execution,
+    ) -> Result<End<usize>>;
 }
 
-/// All of it.
-struct Whole<'a> {
-    path: &'a Path,
-    execution: &'a Execution,
-}
+/// Function that does a part of prepared work.
+type Carrying<'a, T> = &'a dyn Fn(&dyn Prepared) -> Result<End<T>>;
 
-impl Carrying for Whole<'_> {
-    type Answer = FreeEnergyResult;
-
-    fn carry_out<const D: usize>(
-        self,
-        run: &FreeEnergyRun<'_, D>,
-    ) -> Result<End<FreeEnergyResult>> {
-        let Self { path, execution } = self;
-        if run.settings.share == Share::Even {
-            return apart::carry_out_apart(run, path, execution);
-        }
-        let _ours = ResultsDirectory::enter(path, &LAYOUT, run.settings, &run.identity, execution)?;
-        execution.progress.begin(run.length(), "sweeps");
-        drive(run, path, execution)
+/// Reads the shape and the crystal and works on their free energy.
+fn prepared<T>(settings: &FreeEnergySettings, carrying: Carrying<'_, T>) -> Result<End<T>> {
+    let shape = BodyShape::read(&settings.shape)?;
+    match shape.dimension() {
+        1 => in_dimension::<1, T>(settings, &shape, carrying),
+        2 => in_dimension::<2, T>(settings, &shape, carrying),
+        _ => in_dimension::<3, T>(settings, &shape, carrying),
     }
 }
 
-/// Some strengths, alongside other processes.
-struct InPart<'a> {
-    path: &'a Path,
-    shard: Shard,
-    execution: &'a Execution,
-}
-
-impl Carrying for InPart<'_> {
-    type Answer = usize;
-
-    fn carry_out<const D: usize>(self, run: &FreeEnergyRun<'_, D>) -> Result<End<usize>> {
-        apart::carry_out_part(run, self.path, self.shard, self.execution)
-    }
-}
-
-fn in_dimension<const D: usize, C: Carrying>(
+fn in_dimension<const D: usize, T>(
     settings: &FreeEnergySettings,
     shape: &BodyShape,
-    carrying: C,
-) -> Result<End<C::Answer>> {
+    carrying: Carrying<'_, T>,
+) -> Result<End<T>> {
     let body = shape
         .body::<D>(settings.rounding_radius)
         .with_context(|| settings.shape.clone())?;
@@ -207,7 +173,7 @@ fn in_dimension<const D: usize, C: Carrying>(
         crystal: &crystal,
     };
     // Only now: what was checked above refuses without a directory being made.
-    carrying.carry_out(&run)
+    carrying(&run)
 }
 
 /// A free energy whose settings have been checked.
@@ -218,6 +184,27 @@ struct FreeEnergyRun<'a, const D: usize> {
     measurement: Measurement<'a, D>,
     body: &'a HardBody<D>,
     crystal: &'a Crystal<D>,
+}
+
+impl<const D: usize> Prepared for FreeEnergyRun<'_, D> {
+    fn carry_out(&self, path: &Path, execution: &Execution) -> Result<End<FreeEnergyResult>> {
+        if self.settings.share == Share::Even {
+            return apart::carry_out_apart(self, path, execution);
+        }
+        let (settings, identity) = (self.settings, &self.identity);
+        let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, identity, execution)?;
+        execution.progress.begin(self.length(), "sweeps");
+        drive(self, path, execution)
+    }
+
+    fn carry_out_part(
+        &self,
+        path: &Path,
+        shard: Shard,
+        execution: &Execution,
+    ) -> Result<End<usize>> {
+        apart::carry_out_part(self, path, shard, execution)
+    }
 }
 
 /// Bodies on springs at each point, with the open log.
@@ -280,6 +267,19 @@ impl<const D: usize> Open<D> {
 }
 
 impl<const D: usize> FreeEnergyRun<'_, D> {
+    /// Bodies on the springs of one strength, as they begin or as they were saved.
+    fn walker(&self, number: usize, plan: &Plan, saved: Option<&WalkerState>) -> Result<Walker<D>> {
+        let point = plan
+            .points
+            .get(number)
+            .context("the checkpoint has other strengths; start again with --force")?;
+        let (stream, strength, turning) = (number as u32, point.strength, plan.turning);
+        Ok(match saved {
+            Some(state) => self.measurement.resume(stream, strength, turning, state)?,
+            None => self.measurement.start(stream, strength, turning)?,
+        })
+    }
+
     fn point(point: &Point, series: &[f64], estimate: &Estimate) -> PointResult {
         let summary = summarize(series);
         PointResult {
@@ -359,12 +359,12 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
     const CHECKPOINT_KIND: &'static str = "free energy checkpoint";
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::FreeEnergy,
-            verb: "free-energy",
-            identity: self.identity.clone(),
-            input_sha256: self.input_sha256.clone(),
-        }
+        Work::new(
+            ResultKind::FreeEnergy,
+            "free-energy",
+            &self.identity,
+            &self.input_sha256,
+        )
     }
 
     /// Length of the run, with whole rounds.
@@ -388,15 +388,9 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             }
             None => (LogMark::default(), self.measurement.plan()?, Vec::new()),
         };
-        let mut walkers = Vec::new();
-        for (number, point) in plan.points.iter().enumerate() {
-            let stream = number as u32;
-            let (strength, turning) = (point.strength, plan.turning);
-            walkers.push(match states.get(number) {
-                Some(state) => self.measurement.resume(stream, strength, turning, state)?,
-                None => self.measurement.start(stream, strength, turning)?,
-            });
-        }
+        let walker = |number| self.walker(number, &plan, states.get(number));
+        let numbers = 0..plan.points.len();
+        let walkers: Vec<Walker<D>> = numbers.map(walker).collect::<Result<_>>()?;
         let path = directory.join(LOG);
         let mut log = Log::open::<ExtentRow>(&path, &mark)?;
         // Truncated and synced before it is read back: rows after the checkpoint must not count.

@@ -298,12 +298,12 @@ impl Campaign for Sweep<'_> {
     const ENTERS_DIRECTORIES: bool = true;
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::HardBodySweep,
-            verb: "hpmc sweep",
-            identity: self.identity.clone(),
-            input_sha256: self.input_sha256.clone(),
-        }
+        Work::new(
+            ResultKind::HardBodySweep,
+            "hpmc sweep",
+            &self.identity,
+            &self.input_sha256,
+        )
     }
 
     fn tasks(&self) -> &[Task] {
