@@ -53,7 +53,6 @@ impl Body {
                 triangles,
             };
             check_embedding(&mesh)?;
-            let mass_properties = mesh.mass_properties()?;
             let positions = places(&charge_positions, "charge_positions_angstrom")?;
             let charges = charges.as_array();
             ensure!(
@@ -75,15 +74,8 @@ impl Body {
                 ..Provenance::default()
             };
             Ok(protomer_body::Body {
-                name,
-                mesh,
-                core: None,
-                sites,
-                capacitances_e2: Vec::new(),
-                titration: None,
-                residues: Vec::new(),
-                mass_properties,
                 provenance,
+                ..protomer_body::Body::of_mesh(&name, mesh, sites)?
             })
         };
         Ok(Self {

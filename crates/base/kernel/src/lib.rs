@@ -17,6 +17,7 @@
 //! | [`exponential`] | exponentials for loops in vectors |
 //! | [`mod@vectorised`] | methods compiled for several instruction sets |
 //! | [`disjoint_sets`] | sets of numbers that are joined pair by pair |
+//! | [`bisection`] | intervals in which a condition changes, by halving |
 //! | [`quadrature`] | Gauss-Legendre and Gauss-Kronrod rules, points on the sphere |
 //! | [`chebyshev`] | polynomials through Chebyshev points |
 //! | [`jet`] | numbers that carry their first and second derivatives |
@@ -34,6 +35,7 @@
 //!
 //! Lengths are in Å, energies in kT, charges in elementary charges, salt in mol/L.
 
+pub mod bisection;
 pub mod boundary;
 pub mod cells;
 pub mod chebyshev;

@@ -97,6 +97,40 @@ impl TriangleMesh {
         }
     }
 
+    /// A regular tetrahedron about the origin with corners (±reach, ±reach, ±reach), Å.
+    ///
+    /// ```
+    /// use protomer_kernel::TriangleMesh;
+    /// let volume = TriangleMesh::tetrahedron(1.0).volume_angstrom3();
+    /// assert!((volume - 8.0 / 3.0).abs() < 1e-12);
+    /// ```
+    pub fn tetrahedron(reach: f64) -> Self {
+        let corners = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]];
+        Self {
+            vertices: corners
+                .map(|corner| reach * Vec3::from(corner.map(f64::from)))
+                .to_vec(),
+            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+        }
+    }
+
+    /// A regular octahedron about the origin with corners on the axes, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::TriangleMesh;
+    /// let volume = TriangleMesh::octahedron(1.0).volume_angstrom3();
+    /// assert!((volume - 4.0 / 3.0).abs() < 1e-12);
+    /// ```
+    pub fn octahedron(reach: f64) -> Self {
+        let axes = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| reach * axis);
+        let above = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4]];
+        let below = [[2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+        Self {
+            vertices: axes.iter().flat_map(|corner| [*corner, -corner]).collect(),
+            triangles: [above, below].concat(),
+        }
+    }
+
     /// The three corners of a triangle, Å.
     ///
     /// ```

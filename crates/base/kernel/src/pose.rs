@@ -134,6 +134,16 @@ pub struct RelativePose {
     pub translation: Vec3,
 }
 
+impl From<&Pose> for RelativePose {
+    /// The pose of a second body in the frame of a first one, as a motion from its place.
+    fn from(second_in_first: &Pose) -> Self {
+        Self {
+            rotation: second_in_first.rotation.to_rotation_matrix().into_inner(),
+            translation: second_in_first.position,
+        }
+    }
+}
+
 impl RelativePose {
     /// The pose of `second` in the frame of `first`. `displacement` (Å) leads from `first` to the
     /// image of `second` that is meant; in open space it is `second.position - first.position`.

@@ -117,6 +117,36 @@ pub struct Provenance {
 }
 
 impl Body {
+    /// A body of a mesh, about its origin, and of sites, without residues and protons.
+    ///
+    /// ```
+    /// use protomer_body::Body;
+    /// use protomer_kernel::TriangleMesh;
+    /// let body = Body::of_mesh("tetrahedron", TriangleMesh::tetrahedron(1.0), Vec::new())?;
+    /// assert!((body.mass_properties.volume_angstrom3 - 8.0 / 3.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If the mesh does not enclose a volume.
+    pub fn of_mesh(
+        name: &str,
+        mesh: TriangleMesh,
+        sites: Vec<Site>,
+    ) -> protomer_kernel::Result<Self> {
+        Ok(Self {
+            name: name.to_owned(),
+            mass_properties: mesh.mass_properties()?,
+            mesh,
+            core: None,
+            sites,
+            capacitances_e2: Vec::new(),
+            titration: None,
+            residues: Vec::new(),
+            provenance: Provenance::default(),
+        })
+    }
+
     /// Sum of the site charges, e.
     ///
     /// ```

@@ -241,6 +241,7 @@ mod tests {
     use crate::field::Nothing;
     use crate::system::{MoveCounts, Steps};
     use protomer_kernel::Rotation;
+    use protomer_kernel::bisection::halved;
     use protomer_kernel::periodic_box::PeriodicBox;
     use protomer_kernel::random::Purpose;
     use protomer_kernel::statistics::summarize;
@@ -270,15 +271,8 @@ mod tests {
         if height.abs() >= c + RADIUS {
             return 0.0;
         }
-        let (mut low, mut high) = (0.0, 0.5 * PI);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            match widened(middle)[1] < height.abs() {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
-        widened(low)[0]
+        let is_below = |angle: f64| widened(angle)[1] < height.abs();
+        widened(halved([0.0, 0.5 * PI], 60, is_below)[0])[0]
     }
 
     /// Area that two circles share.

@@ -192,6 +192,7 @@ impl<const D: usize> Factor<D> {
 mod tests {
     use super::*;
     use crate::body::HardBody;
+    use protomer_kernel::bisection::halved;
     use protomer_kernel::random::{CounterRng, Purpose};
     use protomer_kernel::shape::ellipsoid::measures_of_ellipsoid;
     use protomer_kernel::{Rotation, Vec3};
@@ -345,16 +346,8 @@ mod tests {
             let parts = nearest(t).into_iter().zip(half_axes).map(|(x, h)| x / h);
             parts.map(|part| part * part).sum::<f64>() > 1.0
         };
-        let (mut low, mut high) = (0.0, 1e6);
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            if is_outside(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        let apart: [f64; D] = std::array::from_fn(|axis| point[axis] - nearest(low)[axis]);
+        let foot = nearest(halved([0.0, 1e6], 200, is_outside)[0]);
+        let apart: [f64; D] = std::array::from_fn(|axis| point[axis] - foot[axis]);
         match is_outside(0.0) {
             true => dot(&apart, &apart).sqrt(),
             false => 0.0,

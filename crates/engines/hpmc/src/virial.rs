@@ -26,6 +26,7 @@
 use crate::body::HardBody;
 use crate::reservoir::{Depletant, ball_volume};
 use crate::{Error, Result};
+use protomer_kernel::bisection::halved;
 use protomer_kernel::quadrature::{Node, gauss_legendre};
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::shape::Shape;
@@ -42,7 +43,7 @@ const NODES: usize = 12;
 /// Lines along a ray.
 const LINES: usize = 4000;
 /// Halvings that find a distance.
-const HALVINGS: usize = 50;
+const HALVINGS: u32 = 50;
 
 /// Result of one draw of three bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -329,18 +330,10 @@ impl Ray<'_> {
     fn distance_at_gap(&self, gap: f64) -> f64 {
         let outer = |corners: &[Vec3]| corners.iter().map(Vec3::norm).fold(0.0, f64::max);
         let reach: f64 = self.pair.corners.iter().map(|corners| outer(corners)).sum();
-        let (mut within, mut beyond) = (
-            0.0,
-            reach + self.pair.roundings[0] + self.pair.roundings[1] + gap,
-        );
-        for _ in 0..HALVINGS {
-            let middle = f64::midpoint(within, beyond);
-            match self.gap(middle) > gap {
-                true => beyond = middle,
-                false => within = middle,
-            }
-        }
-        beyond
+        let farthest = reach + self.pair.roundings[0] + self.pair.roundings[1] + gap;
+        halved([farthest, 0.0], HALVINGS, |distance| {
+            self.gap(distance) > gap
+        })[0]
     }
 
     /// Lines along the ray through both bodies swept by a kind of depletant.

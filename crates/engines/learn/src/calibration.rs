@@ -5,13 +5,14 @@
 
 use crate::Result;
 use crate::scores::{SMALLEST_PROBABILITY, check};
+use protomer_kernel::bisection::halved;
 
 /// Smallest temperature tried.
 const SMALLEST: f64 = 1e-2;
 /// Largest temperature tried.
 const LARGEST: f64 = 1e2;
 /// Number of halvings after which the bracket of ln T is as narrow as rounding allows.
-const HALVINGS: usize = 80;
+const HALVINGS: u32 = 80;
 
 /// The temperature between 0.01 and 100 that gives these probabilities the smallest log-loss; 1 if
 /// there is none in between.
@@ -48,19 +49,12 @@ pub fn temperature(
     // The loss is convex in β = 1 / T: its slope rises, and one sign change is the minimum.
     let slope = |log_beta: f64| slope(p, labels, classes, weights, log_beta.exp());
     // In ln β: the range covers four decades, and both ends deserve the same relative precision.
-    let (mut low, mut high) = ((1.0 / LARGEST).ln(), (1.0 / SMALLEST).ln());
+    let ends = [LARGEST, SMALLEST].map(|temperature| (1.0 / temperature).ln());
     // No change of sign: the loss still falls at one end of the range.
-    if slope(low) >= 0.0 || slope(high) <= 0.0 {
+    if slope(ends[0]) >= 0.0 || slope(ends[1]) <= 0.0 {
         return Ok(1.0);
     }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if slope(middle) < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let [low, high] = halved(ends, HALVINGS, |log_beta| slope(log_beta) < 0.0);
     // T = 1 / β, and the middle of the last bracket.
     Ok((-0.5 * (low + high)).exp())
 }

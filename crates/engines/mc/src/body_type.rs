@@ -14,11 +14,7 @@ use protomer_kernel::{TriangleMesh, Vec3};
 /// ```
 /// use protomer_mc::BodyType;
 /// use protomer_kernel::{TriangleMesh, Vec3};
-/// let corners = [[5.0, 5.0, 5.0], [5.0, -5.0, -5.0], [-5.0, 5.0, -5.0], [-5.0, -5.0, 5.0]];
-/// let mesh = TriangleMesh {
-///     vertices: corners.map(Vec3::from).to_vec(),
-///     triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-/// };
+/// let mesh = TriangleMesh::tetrahedron(5.0);
 /// let body = BodyType::new("tetrahedron", &mesh, &[(Vec3::zeros(), 3.0)])?;
 /// assert_eq!(body.charges.net_charge_e(), 3.0);
 /// assert!((body.hard_radius_angstrom() - 75.0_f64.sqrt()).abs() < 1e-9);

@@ -41,11 +41,10 @@
 //! use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
 //! use std::{ops::ControlFlow, sync::Arc};
 //!
-//! let vertices = [[5.0, 5.0, 5.0], [5.0, -5.0, -5.0], [-5.0, 5.0, -5.0], [-5.0, -5.0, 5.0]].map(Vec3::from).to_vec();
-//! let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] };
+//! let mesh = TriangleMesh::tetrahedron(5.0);
 //! let kind = |name, charge| BodyType::new(name, &mesh, &[(Vec3::zeros(), charge)]).map(Arc::new);
-//! let at = |x| Pose { position: Vec3::new(x, 0.0, 0.0), rotation: Rotation::identity() };
-//! let system = System::new(vec![kind("a", 3.0)?, kind("b", -3.0)?], &[(0, at(-8.0)), (1, at(8.0))], Boundary::Open)?;
+//! let pose = |x| Pose { position: Vec3::new(x, 0.0, 0.0), rotation: Rotation::identity() };
+//! let system = System::new(vec![kind("a", 3.0)?, kind("b", -3.0)?], &[(0, pose(-8.0)), (1, pose(8.0))], Boundary::Open)?;
 //!
 //! let settings = Settings::new(Interaction::YukawaDirect(Yukawa::new(7.0, 1.0 / 9.6, 48.0)?));
 //! let mut simulation = Simulation::new(system.clone(), settings, 1, 0)?;

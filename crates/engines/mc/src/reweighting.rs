@@ -231,6 +231,7 @@ fn ln_sum_exp(exponents: impl Iterator<Item = f64> + Clone) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_kernel::bisection::halved;
     use protomer_kernel::random::CounterRng;
     use std::f64::consts::TAU;
 
@@ -280,14 +281,7 @@ mod tests {
                 .map(|(a, b)| first / (first + second * (f + a - b).exp()))
                 .sum()
         };
-        let (mut low, mut high) = (-50.0, 50.0);
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            match from_first(middle) > counts[0] as f64 {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
+        let [low, high] = halved([-50.0, 50.0], 200, |f| from_first(f) > counts[0] as f64);
         0.5 * (low + high)
     }
 

@@ -87,16 +87,7 @@ mod tests {
     use std::sync::Arc;
 
     fn tetrahedra(number: usize, space: Boundary) -> System {
-        let corners = [
-            [5.0, 5.0, 5.0],
-            [5.0, -5.0, -5.0],
-            [-5.0, 5.0, -5.0],
-            [-5.0, -5.0, 5.0],
-        ];
-        let mesh = TriangleMesh {
-            vertices: corners.map(Vec3::from).to_vec(),
-            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-        };
+        let mesh = TriangleMesh::tetrahedron(5.0);
         let kind = Arc::new(BodyType::new("tetrahedron", &mesh, &[]).unwrap());
         // Where they are does not matter: all in one place.
         System::new(vec![kind], &vec![(0, Pose::identity()); number], space).unwrap()

@@ -78,7 +78,7 @@ mod tests {
                 position: rng.unit_vector() * 24.0,
                 rotation: rng.rotation(),
             };
-            let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
+            let relative = RelativePose::from(&pose);
             let points = SurfacePoints::new(&a);
             let mut marks = Vec::new();
             points.mark_within(&SurfacePoints::new(&b), &relative, 5.0, &mut marks);

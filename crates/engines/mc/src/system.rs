@@ -12,11 +12,7 @@ use std::sync::Arc;
 /// use protomer_mc::{BodyType, System};
 /// use std::sync::Arc;
 /// # use protomer_kernel::{TriangleMesh, Vec3};
-/// # let corners = [[5.0, 5.0, 5.0], [5.0, -5.0, -5.0], [-5.0, 5.0, -5.0], [-5.0, -5.0, 5.0]];
-/// # let mesh = TriangleMesh {
-/// #     vertices: corners.map(Vec3::from).to_vec(),
-/// #     triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-/// # };
+/// # let mesh = TriangleMesh::tetrahedron(5.0);
 /// let body = Arc::new(BodyType::new("tetrahedron", &mesh, &[])?);
 /// let far = Pose { position: Vec3::new(30.0, 0.0, 0.0), ..Pose::identity() };
 /// let system = System::new(vec![body], &[(0, Pose::identity()), (0, far)], Boundary::Open)?;

@@ -95,7 +95,7 @@ use triangle_distance::triangle_distance;
 /// let shape = CollisionShape::new(&TriangleMesh { vertices, triangles })?;
 /// let beside = |x: f64| {
 ///     let second = Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
-///     RelativePose::new(&Pose::identity(), &second, &second.position)
+///     RelativePose::from(&second)
 /// };
 /// assert!(overlaps(&shape, &shape, &beside(0.5)));
 /// assert!(!overlaps(&shape, &shape, &beside(1.5)));
@@ -122,7 +122,7 @@ pub fn overlaps(
 /// let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// let shape = CollisionShape::new(&TriangleMesh { vertices, triangles })?;
 /// let second = Pose { position: Vec3::new(1.5, 0.0, 0.0), ..Pose::identity() };
-/// let pose = RelativePose::new(&Pose::identity(), &second, &second.position);
+/// let pose = RelativePose::from(&second);
 /// let bound = separation_bound(&shape, &shape, &pose, 3.0);
 /// assert!(bound.is_some_and(|bound| bound <= distance(&shape, &shape, &pose)));
 /// assert!((distance(&shape, &shape, &pose) - 0.5).abs() < 1e-12);
@@ -167,7 +167,7 @@ pub fn separation_bound(
 /// let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// let shape = CollisionShape::new(&TriangleMesh { vertices, triangles })?;
 /// let second = Pose { position: Vec3::new(1.5, 0.0, 0.0), ..Pose::identity() };
-/// let pose = RelativePose::new(&Pose::identity(), &second, &second.position);
+/// let pose = RelativePose::from(&second);
 /// assert!(comes_within(&shape, &shape, &pose, 0.51));
 /// assert!(!comes_within(&shape, &shape, &pose, 0.49));
 /// # Ok::<(), protomer_kernel::KernelError>(())

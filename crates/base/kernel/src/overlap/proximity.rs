@@ -164,17 +164,11 @@ impl<'a> Search<'a> {
 mod tests {
     use super::*;
     use crate::random::CounterRng;
-    use crate::{Pose, TriangleMesh, Vec3};
+    use crate::{Pose, TriangleMesh};
 
     #[test]
     fn both_compilations_find_the_same() {
-        let corners = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]];
-        let mesh = TriangleMesh {
-            vertices: corners
-                .map(|corner| Vec3::from(corner.map(f64::from)) * 8.0)
-                .to_vec(),
-            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-        };
+        let mesh = TriangleMesh::tetrahedron(8.0);
         let shape = CollisionShape::new(&mesh).unwrap();
         let mut near = 0;
         for case in 0..400 {
@@ -183,7 +177,7 @@ mod tests {
                 position: rng.unit_vector() * 24.0,
                 rotation: rng.rotation(),
             };
-            let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
+            let relative = RelativePose::from(&pose);
             let search = || Search::new(&shape, &shape, &relative, 5.0);
             let found = search().run();
             assert_eq!(found, search().visit_all());

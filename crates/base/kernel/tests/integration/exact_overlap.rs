@@ -3,6 +3,7 @@
 //! Corners and offsets are multiples of 2⁻³⁶, so the test below computes with integers and is exact. To
 //! the fast test they are numbers like any other: most of its products are rounded.
 
+use protomer_kernel::bisection::halved;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::shape::exact::overlap_exactly;
@@ -175,15 +176,9 @@ impl<const D: usize> Case<'_, D> {
     /// and to a few units of the grid.
     fn about_contact(&self, line: &Vec3, rng: &mut CounterRng, tally: &mut Tally) {
         let shifted = |distance: f64| (line * distance).map(to_grid);
-        let (mut inside, mut outside) =
-            (0.0, 2.0 * (self.bodies[0].size() + self.bodies[1].size()));
-        for _ in 0..45 {
-            let middle = f64::midpoint(inside, outside);
-            match self.fast(&shifted(middle), &shifted(middle), &mut 0) {
-                true => inside = middle,
-                false => outside = middle,
-            }
-        }
+        let outside = 2.0 * (self.bodies[0].size() + self.bodies[1].size());
+        let overlaps = |distance: f64| self.fast(&shifted(distance), &shifted(distance), &mut 0);
+        let inside = halved([0.0, outside], 45, overlaps)[0];
         let axis = Vec3::ith(rng.index(D), 1.0 / UNITS);
         let contact = shifted(inside);
         for shift in [

@@ -1,6 +1,7 @@
 //! The potential of mean force of hard polygons in the limit of no density, by angles at which two
 //! polygons are free, against an independent program.
 
+use protomer_kernel::bisection::halved;
 use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::shape::exact::overlap_exactly;
 use protomer_kernel::shape::polytope::Polytope;
@@ -44,14 +45,7 @@ fn free_fraction(corners: usize, place: [f64; 2]) -> f64 {
             free += if ends[0] { to - from } else { 0.0 };
             continue;
         }
-        let (mut low, mut high) = (from, to);
-        for _ in 0..40 {
-            let middle = f64::midpoint(low, high);
-            match is_free(middle) == ends[0] {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
+        let [low, high] = halved([from, to], 40, |angle| is_free(angle) == ends[0]);
         free += if ends[0] { low - from } else { to - high };
     }
     free / TAU

@@ -1,5 +1,7 @@
 //! The parameter at which placements touch.
 
+use protomer_kernel::bisection::narrowed;
+
 /// Factor between successive values in the search for the first overlap.
 const STEPS: u32 = 128;
 
@@ -17,7 +19,7 @@ pub(super) fn from_outside(
     for _ in 0..STEPS {
         inner = (inner - step).max(0.0);
         if overlaps(inner) {
-            return Some(bisect(inner, free, tolerance, overlaps));
+            return Some(narrowed([inner, free], tolerance, overlaps)[1]);
         }
         free = inner;
     }
@@ -39,27 +41,6 @@ fn outside(start: f64, overlaps: impl Fn(f64) -> bool) -> Option<f64> {
         value *= 2.0;
     }
     None
-}
-
-/// The free end of an interval between an overlapping and a free value, shrunk to the tolerance.
-pub(super) fn bisect(
-    mut overlapping: f64,
-    mut free: f64,
-    tolerance: f64,
-    overlaps: impl Fn(f64) -> bool,
-) -> f64 {
-    while (free - overlapping).abs() > tolerance {
-        let middle = 0.5 * (free + overlapping);
-        if middle == free || middle == overlapping {
-            break;
-        }
-        if overlaps(middle) {
-            overlapping = middle;
-        } else {
-            free = middle;
-        }
-    }
-    free
 }
 
 #[cfg(test)]

@@ -18,10 +18,10 @@
 //! distances that it had. In the end all displacements are scaled down as far as the test allows.
 
 use super::cells::Cells;
-use super::contact::bisect;
 use super::placement::Placement;
 use crate::{BodyError, Result};
 use nalgebra::UnitQuaternion;
+use protomer_kernel::bisection::narrowed;
 use protomer_kernel::{Pose, Vec3};
 use std::collections::BTreeMap;
 
@@ -68,9 +68,9 @@ const TOLERANCE_ANGSTROM: f64 = 1e-3;
 /// use protomer_body::assembly::{CoreAtoms, Placement, separate};
 /// use protomer_kernel::{Pose, Vec3};
 /// let ball = CoreAtoms { positions: vec![Vec3::zeros()], radii_angstrom: vec![1.0] };
-/// let at = |x| (0, Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() });
+/// let placed = |x| (0, Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() });
 /// let overlap = |a: &Placement, b: &Placement| (a.1.position - b.1.position).norm() < 2.0;
-/// let apart = separate(&[ball], &[at(0.0), at(1.6), at(9.0)], overlap)?;
+/// let apart = separate(&[ball], &[placed(0.0), placed(1.6), placed(9.0)], overlap)?;
 /// assert!((apart.moved_angstrom[0] - 0.2).abs() < 1e-2 && apart.moved_angstrom[2] == 0.0);
 /// # Ok::<(), protomer_body::BodyError>(())
 /// ```
@@ -92,9 +92,8 @@ pub fn separate(
         motions = search.project(&motions);
     }
     // The margins overshoot: the least part of the motion that is free of overlap is enough.
-    let scale = bisect(0.0, 1.0, 1e-3, |scale| {
-        search.overlapping(&scaled(&motions, scale)).is_some()
-    });
+    let overlaps = |scale: f64| search.overlapping(&scaled(&motions, scale)).is_some();
+    let scale = narrowed([0.0, 1.0], 1e-3, overlaps)[1];
     // The bisection ends at a scale that was found free; a scale of one is.
     let motions = scaled(&motions, scale);
     let places = 0..placements.len();

@@ -1,8 +1,6 @@
 //! Placed bodies are written as PDB and mmCIF, and read back.
 
-use crate::common;
-
-use common::{bundled, many_structures, read};
+use crate::common::{bundled, many_structures, read};
 use proptest::prelude::*;
 use protomer_body::chemistry::{SiteSettings, build_sites};
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, has_atoms};
@@ -13,30 +11,14 @@ use std::collections::BTreeMap;
 
 /// A body of these atoms; its mesh does not matter here.
 fn body(name: &str, sites: Vec<Site>, residues: Vec<Residue>, origin: Vec3) -> Body {
-    let corners = [
-        [1.0, 1.0, 1.0],
-        [1.0, -1.0, -1.0],
-        [-1.0, 1.0, -1.0],
-        [-1.0, -1.0, 1.0],
-    ];
-    let mesh = TriangleMesh {
-        vertices: corners.map(Vec3::from).to_vec(),
-        triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
-    };
     Body {
-        name: name.into(),
-        mass_properties: mesh.mass_properties().unwrap(),
-        mesh,
-        core: None,
-        sites,
-        capacitances_e2: Vec::new(),
-        titration: None,
         residues,
         provenance: Provenance {
             source: format!("{name}.pdb"),
             origin_angstrom: origin,
             ..Provenance::default()
         },
+        ..Body::of_mesh(name, TriangleMesh::tetrahedron(1.0), sites).unwrap()
     }
 }
 
@@ -154,8 +136,8 @@ fn require_round_trip(bodies: &PlacedBodies) {
         let (found, expected) = (found(structure), expected(bodies, is_pdb));
         assert_eq!(structure.models[0].atoms.len(), expected.len());
         assert!(found.keys().eq(expected.keys()));
-        for (at, wanted) in found.values().zip(expected.values()) {
-            assert!((at - wanted).amax() < 0.000_501, "{at} {wanted}");
+        for (place, wanted) in found.values().zip(expected.values()) {
+            assert!((place - wanted).amax() < 0.000_501, "{place} {wanted}");
         }
         for (number, atom) in structure.models[0].atoms.iter().enumerate() {
             assert_eq!((atom.occupancy, atom.alternate), (1.0, None));

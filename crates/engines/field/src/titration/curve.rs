@@ -1,6 +1,7 @@
 //! pKa values, net charge and isoelectric point.
 
 use super::equilibrium::TitratingGroups;
+use protomer_kernel::bisection::narrowed;
 use rayon::prelude::*;
 use std::f64::consts::LN_10;
 
@@ -130,18 +131,11 @@ impl TitratingGroups {
     /// ```
     pub fn isoelectric_point(&self, fixed_charge_e: f64) -> Option<f64> {
         let total = |ph: f64| self.net_charge_e(ph) + fixed_charge_e;
-        let (mut low, mut high) = (0.0, 14.0);
-        if total(low) <= 0.0 || total(high) >= 0.0 {
+        let ends = [0.0, 14.0];
+        if total(ends[0]) <= 0.0 || total(ends[1]) >= 0.0 {
             return None;
         }
-        while high - low > 5e-4 {
-            let middle = 0.5 * (low + high);
-            if total(middle) > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let [low, high] = narrowed(ends, 5e-4, |ph| total(ph) > 0.0);
         Some(0.5 * (low + high))
     }
 }

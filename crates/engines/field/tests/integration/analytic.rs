@@ -5,6 +5,7 @@ use protomer_field::{
     SolveSettings, SurfaceDefinition, solve,
 };
 use protomer_io::pqr::read_pqr;
+use protomer_kernel::bisection::halved;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::units::kilojoule_per_mol_per_kt;
 use protomer_kernel::{Electrolyte, Vec3};
@@ -209,19 +210,12 @@ fn exact_around_sphere(
     let kappa = electrolyte.inverse_debye_length_per_angstrom();
     let bjerrum = electrolyte.bjerrum_length_angstrom();
     // The linear amplitude is an upper bound, as ions of Boltzmann screen more.
-    let (mut low, mut high) = (0.0, 2.0 * bjerrum * q.abs());
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
+    let shot = |amplitude: f64| {
         let charge = |phi: f64| salt.charge(phi);
-        let (found, _) = shoot_inwards(a, kappa, middle.copysign(q), bjerrum, charge, places);
-        if found.abs() > q.abs() {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    let charge = |phi: f64| salt.charge(phi);
-    shoot_inwards(a, kappa, low.copysign(q), bjerrum, charge, places).1
+        shoot_inwards(a, kappa, amplitude.copysign(q), bjerrum, charge, places)
+    };
+    let is_low = |amplitude: f64| shot(amplitude).0.abs() <= q.abs();
+    shot(halved([0.0, 2.0 * bjerrum * q.abs()], 200, is_low)[0]).1
 }
 
 #[test]

@@ -195,6 +195,7 @@ impl CoherentOrbit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_kernel::bisection::halved;
     use std::f64::consts::PI;
 
     #[test]
@@ -247,19 +248,11 @@ mod tests {
         for step in 1..=40_000 {
             let mut next = advance(y, h);
             if !inside(next) {
-                let (mut low, mut high) = (0.0, h);
-                for _ in 0..60 {
-                    let middle = 0.5 * (low + high);
-                    if inside(advance(y, middle)) {
-                        low = middle
-                    } else {
-                        high = middle
-                    }
-                }
-                let mut there = advance(y, low);
-                there[1] = -there[1];
+                let low = halved([0.0, h], 60, |time| inside(advance(y, time)))[0];
+                let mut bounced = advance(y, low);
+                bounced[1] = -bounced[1];
                 bounces += 1;
-                next = advance(there, h - low);
+                next = advance(bounced, h - low);
             }
             y = next;
             let [angle, rate] = orbit.state(f64::from(step) * h);

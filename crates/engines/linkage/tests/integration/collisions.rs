@@ -1,9 +1,9 @@
 //! Collisions against slow twins, and long runs.
 
-use crate::common;
+use protomer_kernel::bisection::halved;
 
-use common::brute_force::{corner, cut_squares, smallest_height};
-use common::{engine, lattice, random_start};
+use crate::common::brute_force::{corner, cut_squares, smallest_height};
+use crate::common::{engine, lattice, random_start};
 use protomer_kernel::random::CounterRng;
 use protomer_linkage::CrystalError;
 use protomer_linkage::lattice::collision::detection::Detector;
@@ -259,27 +259,19 @@ fn rows_are_the_gradients_of_gaps() {
 /// The first time two freely flying squares touch, by small steps and bisection.
 fn slow_first_contact(network: &Network, state: &State, step: f64) -> Option<f64> {
     let gap = |t: f64| {
-        let there: Vec<f64> = state
+        let moved: Vec<f64> = state
             .positions
             .iter()
             .zip(&state.velocities)
             .map(|(s, v)| s + t * v)
             .collect();
-        smallest_height(network, &there)
+        smallest_height(network, &moved)
     };
     const PIECES: usize = 4_000;
     let time = |k: usize| step * k as f64 / PIECES as f64;
     let k = (1..=PIECES).find(|k| gap(time(*k)) < 0.0)?;
-    let (mut open, mut closed) = (time(k - 1), time(k));
-    for _ in 0..60 {
-        let middle = 0.5 * (open + closed);
-        if gap(middle) < 0.0 {
-            closed = middle
-        } else {
-            open = middle
-        }
-    }
-    Some(closed)
+    let is_open = |time: f64| gap(time) >= 0.0;
+    Some(halved([time(k - 1), time(k)], 60, is_open)[1])
 }
 
 #[test]

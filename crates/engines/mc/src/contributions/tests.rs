@@ -7,7 +7,7 @@ use crate::pair::Contacts;
 use crate::test_support::tetrahedron;
 use crate::{BodyType, Interaction, Settings, Simulation, System};
 use protomer_body::residue_contacts::ContactScale;
-use protomer_body::{Body, Provenance, Residue, Site};
+use protomer_body::{Body, Residue, Site};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
@@ -16,18 +16,7 @@ use std::sync::Arc;
 
 /// A body of residues, each one atom with a charge, along x (Å).
 pub fn body_of(residues: &[(&str, f64, f64)]) -> Body {
-    let mesh = tetrahedron(1.0);
-    let mut body = Body {
-        name: "body".into(),
-        mass_properties: mesh.mass_properties().unwrap(),
-        mesh,
-        core: None,
-        sites: Vec::new(),
-        capacitances_e2: Vec::new(),
-        titration: None,
-        residues: Vec::new(),
-        provenance: Provenance::default(),
-    };
+    let mut body = Body::of_mesh("body", tetrahedron(1.0), Vec::new()).unwrap();
     for (number, (name, x, charge_e)) in residues.iter().enumerate() {
         body.residues.push(Residue {
             chain: "A".into(),

@@ -199,30 +199,8 @@ mod tests {
 
     #[test]
     fn a_cube_has_its_volume_and_grows_by_its_ions() {
-        let mut vertices = Vec::new();
-        for number in 0..8 {
-            let coordinate = |bit: usize| if number >> bit & 1 == 1 { 6.0 } else { -6.0 };
-            vertices.push(Vec3::new(coordinate(0), coordinate(1), coordinate(2)));
-        }
-        let triangles = vec![
-            [0, 2, 1],
-            [1, 2, 3],
-            [4, 5, 6],
-            [5, 7, 6],
-            [0, 1, 4],
-            [1, 5, 4],
-            [2, 6, 3],
-            [3, 6, 7],
-            [0, 4, 2],
-            [2, 4, 6],
-            [1, 3, 5],
-            [3, 7, 5],
-        ];
-        let shape = CollisionShape::new(&TriangleMesh {
-            vertices,
-            triangles,
-        })
-        .unwrap();
+        let cube = TriangleMesh::cuboid(&Vec3::repeat(-6.0), &Vec3::repeat(6.0));
+        let shape = CollisionShape::new(&cube).unwrap();
         let sums = |ion_radius| {
             let mut sums = [0.0; 2];
             for element in volume_elements(&shape, ion_radius) {

@@ -15,6 +15,7 @@
 
 use crate::charges::ChargeCloud;
 use protomer_kernel::Vec3;
+use protomer_kernel::bisection::halved;
 use protomer_kernel::potential::Yukawa;
 
 /// Multipoles up to this order are summed; above it, magnitudes stand for them.
@@ -32,7 +33,7 @@ const LEAST_RADIUS_ANGSTROM: f64 = 1.0;
 /// so much.
 const ROUNDING: f64 = 1e-12;
 /// Halvings of the interval in which the reach lies.
-const HALVINGS: usize = 40;
+const HALVINGS: u32 = 40;
 
 /// The multipoles of a body, seen through an electrolyte.
 #[derive(Debug, Clone)]
@@ -106,17 +107,10 @@ impl FarField {
             return of_magnitudes;
         }
         let largest_energy_kt = self.largest_energy_kt(other, potential);
-        let (mut low, mut high) = (0.0, of_magnitudes);
-        // The bound falls with the distance, so halving keeps `high` on the safe side.
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            match largest_energy_kt(middle) < energy_kt {
-                true => high = middle,
-                false => low = middle,
-            }
-        }
-        // The safe end: beyond it the energy surely is below the limit.
-        high
+        // The bound falls with the distance, so the first end stays on the safe side: beyond it the energy surely is below the
+        // limit.
+        let is_beyond = |distance: f64| largest_energy_kt(distance) < energy_kt;
+        halved([of_magnitudes, 0.0], HALVINGS, is_beyond)[0]
     }
 
     /// The most that this body and another can hold, kT, as a function of the distance of their origins

@@ -125,7 +125,7 @@ mod tests {
                 position: rng.unit_vector() * (25.0 + case as f64),
                 rotation: rng.rotation(),
             };
-            let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
+            let relative = RelativePose::from(&pose);
             let expected = double_loop(&yukawa, &a, &b, &relative);
             let scale = double_loop(
                 &yukawa,

@@ -307,7 +307,7 @@ mod tests {
                 position: rng.unit_vector() * (20.0 + 2.0 * case as f64),
                 rotation: rng.rotation(),
             };
-            let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
+            let relative = RelativePose::from(&pose);
             for &scale in ContactScale::ALL {
                 for cores in [false, true] {
                     let potential = match cores {

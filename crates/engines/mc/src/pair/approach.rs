@@ -2,6 +2,7 @@
 
 use super::orientation::Orientation;
 use super::{BodyPair, Core};
+use protomer_kernel::bisection::narrowed;
 use protomer_kernel::overlap::separation_bound;
 
 /// A bound on the separation is not requested beyond this, Å.
@@ -41,13 +42,8 @@ pub fn contact_distance_angstrom(pair: &BodyPair, orientation: &Orientation) -> 
         touching = (apart - step.max(LEAST_STEP_ANGSTROM)).max(0.0);
     }
     // The bracket: no contact at `apart`, overlap at `touching`.
-    while apart - touching > PRECISION_ANGSTROM {
-        let middle = 0.5 * (apart + touching);
-        match pair.excludes(&orientation.relative_pose(middle)) {
-            true => touching = middle,
-            false => apart = middle,
-        }
-    }
+    let touches = |distance: f64| pair.excludes(&orientation.relative_pose(distance));
+    let [touching, apart] = narrowed([touching, apart], PRECISION_ANGSTROM, touches);
     0.5 * (apart + touching)
 }
 

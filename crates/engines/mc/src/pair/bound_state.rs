@@ -86,7 +86,7 @@ impl BodyPair {
         goes_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<BoundState>> {
         let energy_kt = |pose: &Pose| {
-            let relative = relative(pose);
+            let relative = RelativePose::from(pose);
             match self.excludes(&relative) {
                 true => None,
                 false => Some(self.potential.energy_kt(&relative)),
@@ -109,13 +109,6 @@ impl BodyPair {
             limit_angstrom: settings.limit_angstrom,
         };
         sample(&region, energy_kt, settings, goes_on)
-    }
-}
-
-pub(super) fn relative(pose: &Pose) -> RelativePose {
-    RelativePose {
-        rotation: pose.rotation.to_rotation_matrix().into_inner(),
-        translation: pose.position,
     }
 }
 

@@ -13,14 +13,14 @@
 //! inverses, and ∫_w is the integral over the former, each of which counts twice unless its inverse is one of them.
 
 use super::BodyPair;
-use super::bound_state::{BoundStateSettings, relative};
+use super::bound_state::BoundStateSettings;
 use super::estimator::{Estimator, Found, PairSettings, PairThermodynamics};
 use super::profile::over_directions;
 use super::radial::RaySample;
 use super::replicas::mean_and_error;
 use super::wells::{BoundPose, Different, bound_poses};
 use crate::{McError, Result};
-use protomer_kernel::Pose;
+use protomer_kernel::{Pose, RelativePose};
 use serde::{Deserialize, Serialize};
 
 /// Wells that are integrated at most.
@@ -225,7 +225,7 @@ impl Wells {
         let minimum = self.poses[number];
         let regions = self.regions(pair);
         let energy_kt = |pose: &Pose| {
-            let relative = relative(pose);
+            let relative = RelativePose::from(pose);
             // Outside its region, overlapping or not in contact: no part of this well.
             let counts = regions.well(pose) == Some(number)
                 && !pair.excludes(&relative)
@@ -354,7 +354,6 @@ mod tests {
     use crate::test_support::tetrahedron;
     use nalgebra::{Rotation3, UnitQuaternion};
     use protomer_kernel::Vec3;
-    use protomer_kernel::pose::RelativePose;
     use protomer_kernel::potential::Yukawa;
     use std::f64::consts::PI;
     use std::sync::Arc;

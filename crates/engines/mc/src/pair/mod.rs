@@ -116,7 +116,7 @@ const CORE_ENERGY_KT: f64 = 30.0;
 impl BodyPair {
     /// Energy in addition to the hard surfaces, kT, of a pose of the second body in the frame of the first.
     pub fn energy_kt(&self, pose: &Pose) -> f64 {
-        self.potential.energy_kt(&bound_state::relative(pose))
+        self.potential.energy_kt(&RelativePose::from(pose))
     }
 
     /// Whether the bodies overlap at a pose of the second in the frame of the first.

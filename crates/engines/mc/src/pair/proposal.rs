@@ -2,6 +2,7 @@
 
 use super::orientation::{EvenSequence, Orientation};
 use nalgebra::{Unit, UnitQuaternion};
+use protomer_kernel::bisection::halved;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Rotation, Vec3};
 use serde::{Deserialize, Serialize};
@@ -128,14 +129,8 @@ impl Proposal {
         let widest = self.width.rotation_rad;
         // Inversion of (ω - sin ω)/π by halving: it has no closed form and rises everywhere.
         let share = rng.uniform() * share_of_rotations(widest);
-        let (mut low, mut high) = (0.0, widest);
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            match share_of_rotations(middle) < share {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
+        let is_less = |angle_rad: f64| share_of_rotations(angle_rad) < share;
+        let [low, high] = halved([0.0, widest], 50, is_less);
         let axis = Unit::new_unchecked(rng.unit_vector());
         UnitQuaternion::from_axis_angle(&axis, 0.5 * (low + high))
     }

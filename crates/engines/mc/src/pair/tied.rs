@@ -12,11 +12,10 @@
 //! equally spaced α is exact for smooth periodic U; its error is what half of the directions change.
 
 use super::BodyPair;
-use super::bound_state::relative;
 use crate::Result;
 use crate::error::require;
 use nalgebra::{Rotation3, Unit, UnitQuaternion};
-use protomer_kernel::{Pose, Vec3};
+use protomer_kernel::{Pose, RelativePose, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -137,7 +136,7 @@ fn at_bend(pair: &BodyPair, tie: &Tie, bend_rad: f64, directions: usize) -> Tied
     for number in 0..directions {
         let rod_rad = (number as f64 + 0.5) / directions as f64 * TAU;
         let pose = tie.pose(bend_rad, rod_rad);
-        let relative = relative(&pose);
+        let relative = RelativePose::from(&pose);
         energies.push((!pair.excludes(&relative)).then(|| pair.potential.energy_kt(&relative)));
     }
     let all = average_kt(energies.iter().copied());
@@ -265,9 +264,9 @@ mod tests {
                 continue;
             }
             let mut energy = 0.0;
-            for (at, q) in charges {
+            for (site, q) in charges {
                 for (point, other) in charges {
-                    energy += q * other * yukawa().energy_kt((place(point) - at).norm());
+                    energy += q * other * yukawa().energy_kt((place(point) - site).norm());
                 }
             }
             sum += (-energy).exp();

@@ -90,7 +90,7 @@ fn descend(pair: &BodyPair, start: &BoundPose, rng: &mut CounterRng) -> BoundPos
             position: present.pose.position + rng.vector_in_ball(step_angstrom),
             rotation: turn * present.pose.rotation,
         };
-        let relative = relative(&pose);
+        let relative = RelativePose::from(&pose);
         // An overlap is passed over before the energy, which is not defined there.
         if pair.excludes(&relative) {
             continue;
@@ -107,13 +107,6 @@ fn descend(pair: &BodyPair, start: &BoundPose, rng: &mut CounterRng) -> BoundPos
         }
     }
     lowest
-}
-
-fn relative(pose: &Pose) -> RelativePose {
-    RelativePose {
-        rotation: pose.rotation.to_rotation_matrix().into_inner(),
-        translation: pose.position,
-    }
 }
 
 /// Tells poses apart.

@@ -341,26 +341,7 @@ mod tests {
     /// An octahedron whose faces are cut into four `times` times, on a sphere of radius 1 with each
     /// axis stretched.
     fn ellipsoid(axes: [f64; 3], times: usize) -> TriangleMesh {
-        let mut mesh = TriangleMesh {
-            vertices: vec![
-                Vec3::x(),
-                -Vec3::x(),
-                Vec3::y(),
-                -Vec3::y(),
-                Vec3::z(),
-                -Vec3::z(),
-            ],
-            triangles: Vec::new(),
-        };
-        for (x, sx) in [(0, 1), (1, -1)] {
-            for (y, sy) in [(2, 1), (3, -1)] {
-                for (z, sz) in [(4, 1), (5, -1)] {
-                    let outward = sx * sy * sz > 0;
-                    mesh.triangles
-                        .push(if outward { [x, y, z] } else { [x, z, y] });
-                }
-            }
-        }
+        let mut mesh = TriangleMesh::octahedron(1.0);
         for _ in 0..times {
             let (mut cut, mut halves) = (Vec::new(), HashMap::new());
             for [a, b, c] in std::mem::take(&mut mesh.triangles) {
@@ -405,11 +386,11 @@ mod tests {
     #[test]
     fn touching_spheres_have_the_capacity_of_maxwell() {
         let sphere = Patches::new(&ellipsoid([20.0; 3], 5), 0.0, 128);
-        let there = Pose {
+        let moved = Pose {
             position: Vec3::new(0.0, 0.0, 40.0),
             ..Pose::identity()
         };
-        let both = capacity_angstrom(&[(&sphere, Pose::identity()), (&sphere, there)]).unwrap();
+        let both = capacity_angstrom(&[(&sphere, Pose::identity()), (&sphere, moved)]).unwrap();
         println!("two spheres: {:.5} radii", both / 20.0);
         assert!((both / 20.0 / (2.0 * LN_2) - 1.0).abs() < 0.004, "{both}");
         // Apart by d they have 2/(1 + a/d) radii up to (a/d)³, and together in one place one radius.

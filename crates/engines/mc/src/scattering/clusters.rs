@@ -21,12 +21,11 @@ pub struct Cluster {
 /// # use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
 /// # use protomer_mc::{BodyType, System, scattering::clusters::clusters};
 /// # use std::sync::Arc;
-/// # let corners = [[5.0, 5.0, 5.0], [5.0, -5.0, -5.0], [-5.0, 5.0, -5.0], [-5.0, -5.0, 5.0]];
-/// # let mesh = TriangleMesh { vertices: corners.map(Vec3::from).to_vec(), triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] };
+/// # let mesh = TriangleMesh::tetrahedron(5.0);
 /// # let body = Arc::new(BodyType::new("tetrahedron", &mesh, &[])?);
-/// let at = |x| Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
+/// let pose = |x| Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
 /// let space = Boundary::periodic(Vec3::repeat(100.0))?;
-/// let system = System::new(vec![body], &[(0, at(-45.0)), (0, at(0.0)), (0, at(45.0))], space)?;
+/// let system = System::new(vec![body], &[(0, pose(-45.0)), (0, pose(0.0)), (0, pose(45.0))], space)?;
 /// let found = clusters(&system, &[(0, 2)]);
 /// assert_eq!(found[0].members, [0, 2]);
 /// // The nearest image of the second is across the border.

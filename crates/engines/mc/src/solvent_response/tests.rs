@@ -80,10 +80,6 @@ fn by_sites_kt(first: &Solute, second: &Solute, pose: &RelativePose) -> f64 {
     first.acting_on_kt(second, pose) + second.acting_on_kt(first, &pose.inverse())
 }
 
-fn relative(pose: &Pose) -> RelativePose {
-    RelativePose::new(&Pose::identity(), pose, &pose.position)
-}
-
 /// A ball of 8 Å with charges and volume, in salt of Debye length 10 Å. The tables of the volume end at its
 /// surface, and all fall to zero towards the faces, as those of natural bodies do.
 fn ball(points: usize, charge_e: f64, seed: u64) -> Solute {
@@ -126,7 +122,7 @@ fn blocks_give_the_sum_over_sites() {
             position: (16.5 + 0.3 * draw as f64) * rng.unit_vector(),
             rotation: rng.rotation(),
         };
-        let pose = relative(&pose);
+        let pose = RelativePose::from(&pose);
         let (found, expected) = (
             response.energy_kt(&pose),
             by_sites_kt(&balls[0], &balls[1], &pose),
@@ -172,17 +168,17 @@ fn the_energy_is_that_of_the_sites_in_both_tables() {
     let response = SolventResponse::new(Arc::clone(&solutes[0].body), Arc::clone(&solutes[1].body));
     let turn = Rotation::from_axis_angle(&Vec3::y_axis(), 0.7);
     let place = Vec3::new(2.0, -1.0, 3.0);
-    let relative = relative(&Pose {
+    let relative = RelativePose::from(&Pose {
         position: place,
         rotation: turn,
     });
     let mut expected = 0.0;
     let dot = |a: Amounts, b: Amounts| (0..4).map(|lane| a[lane] * b[lane]).sum::<f64>();
-    for (at, amounts) in &sites[1] {
-        expected += dot(value(&(turn * at + place)), *amounts);
+    for (site, amounts) in &sites[1] {
+        expected += dot(value(&(turn * site + place)), *amounts);
     }
-    for (at, amounts) in &sites[0] {
-        expected += dot(other(&(turn.inverse() * (at - place))), *amounts);
+    for (site, amounts) in &sites[0] {
+        expected += dot(other(&(turn.inverse() * (site - place))), *amounts);
     }
     let found = response.energy_kt(&relative);
     assert!((found - expected).abs() < 1e-4, "{found} {expected}");
@@ -205,7 +201,7 @@ fn sites_beyond_the_table_have_no_energy() {
     let row = Solute::new([21; 3], |_| [0.0; 4], sites);
     let response = SolventResponse::new(Arc::clone(&constant.body), Arc::clone(&row.body));
     for along in 0..20 {
-        let pose = relative(&Pose {
+        let pose = RelativePose::from(&Pose {
             position: Vec3::new(-8.2 + f64::from(along), 1.3, 2.7),
             rotation: Rotation::identity(),
         });
@@ -226,7 +222,7 @@ fn beyond_its_reach_there_is_nothing() {
         position: Vec3::new(0.0, 0.0, response.reach_angstrom(0.0) + 0.1),
         rotation: Rotation::identity(),
     };
-    assert_eq!(response.energy_kt(&relative(&pose)), 0.0);
+    assert_eq!(response.energy_kt(&RelativePose::from(&pose)), 0.0);
 }
 
 /// The energy that a run keeps is that of its poses, and that of all sites to within what blocks leave out.
@@ -235,7 +231,7 @@ fn the_energy_of_a_run_does_not_drift() {
     let balls = [ball(33, 3.0, 21), ball(33, -4.0, 22)];
     let kind = || Arc::new(BodyType::new("body", &tetrahedron(7.0), &[]).unwrap());
     let model = || -> Box<dyn EnergyModel> {
-        let of = |first: usize, second: usize| {
+        let terms_of_pair = |first: usize, second: usize| {
             let bodies = [first, second].map(|kind| Arc::clone(&balls[kind].body));
             let [first, second] = bodies;
             let term: Arc<dyn PairPotential> = Arc::new(SolventResponse::new(first, second));
@@ -243,7 +239,7 @@ fn the_energy_of_a_run_does_not_drift() {
         };
         Box::new(WithTerms::new(
             Box::new(NoCharges),
-            TermsByType::new(2, of).unwrap(),
+            TermsByType::new(2, terms_of_pair).unwrap(),
         ))
     };
     let mut bodies = Vec::new();

@@ -1,8 +1,6 @@
 //! Two bodies: virial coefficients that are known in closed form or by quadrature.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{TriangleMesh, Vec3};
 use protomer_mc::BodyType;
@@ -40,17 +38,7 @@ fn pair_of(first: Arc<BodyType>, second: Arc<BodyType>, yukawa: Option<Yukawa>) 
 #[test]
 fn hard_convex_bodies_have_the_coefficient_of_isihara() {
     let edge: f64 = 10.0 * 2.0_f64.sqrt();
-    let corners = [
-        [5.0, 5.0, 5.0],
-        [5.0, -5.0, -5.0],
-        [-5.0, 5.0, -5.0],
-        [-5.0, -5.0, 5.0],
-    ];
-    let vertices = corners.map(Vec3::from).to_vec();
-    let mesh = TriangleMesh {
-        triangles: hull_faces(&vertices),
-        vertices,
-    };
+    let mesh = TriangleMesh::tetrahedron(5.0);
     let mean_radius = 3.0 * edge * (-1.0_f64 / 3.0).acos() / (4.0 * PI);
     let expected = mesh.volume_angstrom3() + mesh.area_angstrom2() * mean_radius;
     let body = Arc::new(BodyType::new("tetrahedron", &mesh, &[]).unwrap());

@@ -1,6 +1,6 @@
 //! Scattering against known answers: gases, pairs, lattices, spheres.
 
-use protomer_body::{Body, Provenance};
+use protomer_body::Body;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Rotation, TriangleMesh, Vec3};
 use protomer_mc::scattering::experiment::{Experiment, Settings};
@@ -339,17 +339,7 @@ fn cuboid([a, b, c]: [f64; 3]) -> TriangleMesh {
 }
 
 fn solid(mesh: TriangleMesh) -> Body {
-    Body {
-        name: "solid".into(),
-        mass_properties: mesh.mass_properties().unwrap(),
-        mesh,
-        core: None,
-        sites: Vec::new(),
-        capacitances_e2: Vec::new(),
-        titration: None,
-        residues: Vec::new(),
-        provenance: Provenance::default(),
-    }
+    Body::of_mesh("solid", mesh, Vec::new()).unwrap()
 }
 
 /// The radius of gyration that P(q) = 1 - (q R)²/3 shows.

@@ -1,9 +1,7 @@
 //! Contact terms in addition to charges: the energies that a simulation keeps, and the law of
 //! mass action.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use protomer_body::chemistry::AminoAcid::{self, Leu, Lys, Phe, Trp};
 use protomer_body::residue_contacts::{Bead, ContactScale};
 use protomer_kernel::potential::Yukawa;
@@ -51,12 +49,12 @@ fn contacts() -> ContactPotential {
 }
 
 fn model(kinds: &[Arc<BodyType>]) -> Box<dyn EnergyModel> {
-    let of = |first: usize, second: usize| {
+    let terms_of_pair = |first: usize, second: usize| {
         let beads = (&kinds[first].beads, &kinds[second].beads);
         let term = Contacts::new(contacts(), beads.0, beads.1);
         Ok::<_, ()>(Terms(vec![Arc::new(term)]))
     };
-    let terms = TermsByType::new(kinds.len(), of).unwrap();
+    let terms = TermsByType::new(kinds.len(), terms_of_pair).unwrap();
     Box::new(WithTerms::new(Box::new(DirectSum::new(yukawa())), terms))
 }
 
@@ -77,14 +75,14 @@ fn plain_sum(system: &System, edge: f64) -> f64 {
             let (a, b) = (system.body_type(first), system.body_type(second));
             for cell in 0..27 {
                 let cell = [cell % 3, cell / 3 % 3, cell / 9].map(|n| f64::from(n - 1) * edge);
-                let (here, mut there) = (*system.pose(first), *system.pose(second));
-                there.position += Vec3::from(cell);
-                let displacement = there.position - here.position;
-                let relative = protomer_kernel::RelativePose::new(&here, &there, &displacement);
+                let (one, mut other) = (*system.pose(first), *system.pose(second));
+                other.position += Vec3::from(cell);
+                let displacement = other.position - one.position;
+                let relative = protomer_kernel::RelativePose::new(&one, &other, &displacement);
                 energy += contacts.energy_kt(&a.beads, &b.beads, &relative);
-                for (at, charge) in a.charges.iter() {
+                for (site, charge) in a.charges.iter() {
                     for (place, other) in b.charges.iter() {
-                        let apart = (relative.transform_point(&place) - at).norm();
+                        let apart = (relative.transform_point(&place) - site).norm();
                         energy += charge * other * yukawa().energy_kt(apart);
                     }
                 }
@@ -226,7 +224,7 @@ fn shares_of_places_add_up_to_the_energy() {
         position: Vec3::new(9.0, -7.0, 6.0),
         rotation: Rotation::from_euler_angles(0.3, 1.1, -2.0),
     };
-    let relative = protomer_kernel::RelativePose::new(&Pose::identity(), &pose, &pose.position);
+    let relative = protomer_kernel::RelativePose::from(&pose);
     for term in &terms.0 {
         let mut sums = [0.0; 2];
         term.shares(&relative, &mut |body, place, energy_kt| {

@@ -1,5 +1,6 @@
 //! Ellipses and ellipsoids: closest points against a slow search, forces against differences.
 
+use protomer_kernel::bisection::halved;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_md::body::Kind;
@@ -37,14 +38,8 @@ fn nearest(kind: &Kind, pose: &Pose, point: &Vec3) -> Vec3 {
         let share = |k: usize| (axes[k] * own[k] / (axes[k] * axes[k] + t)).powi(2);
         (0..dimension).map(share).sum::<f64>()
     };
-    let (mut low, mut high) = (0.0, kind.circumradius() * own.norm());
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        match sum(middle) > 1.0 {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
+    let ends = [0.0, kind.circumradius() * own.norm()];
+    let low = halved(ends, 200, |t| sum(t) > 1.0)[0];
     let mut foot = Vec3::zeros();
     for k in 0..dimension {
         foot[k] = axes[k] * axes[k] * own[k] / (axes[k] * axes[k] + low);
@@ -60,11 +55,11 @@ fn distance(kinds: [&Kind; 2], poses: [&Pose; 2]) -> f64 {
     for _ in 0..20_000 {
         let on_second = nearest(kinds[1], poses[1], &on_first);
         on_first = nearest(kinds[0], poses[0], &on_second);
-        let here = (on_first - on_second).norm();
-        if length - here < 1e-16 {
-            return here;
+        let shorter = (on_first - on_second).norm();
+        if length - shorter < 1e-16 {
+            return shorter;
         }
-        length = here;
+        length = shorter;
     }
     length
 }

@@ -318,16 +318,6 @@ mod tests {
 
     /// A tetrahedron with one charged atom.
     fn example() -> Body {
-        let corners = [
-            [1.0, 1.0, 1.0],
-            [1.0, -1.0, -1.0],
-            [-1.0, 1.0, -1.0],
-            [-1.0, -1.0, 1.0],
-        ];
-        let mesh = TriangleMesh {
-            vertices: corners.map(Vec3::from).to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
-        };
         let residue = Residue {
             chain: "A".into(),
             number: 7,
@@ -344,15 +334,8 @@ mod tests {
             residue: Some(0),
         };
         Body {
-            name: "example".into(),
-            mass_properties: mesh.mass_properties().unwrap(),
-            mesh,
-            core: None,
-            sites: vec![site],
-            capacitances_e2: Vec::new(),
-            titration: None,
             residues: vec![residue],
-            provenance: Provenance::default(),
+            ..Body::of_mesh("example", TriangleMesh::tetrahedron(1.0), vec![site]).unwrap()
         }
     }
 

@@ -85,39 +85,28 @@ pub fn build(description: &OwnBody) -> Result<Body> {
     check_name(&description.name)?;
     let file = InputFile::read(&description.mesh)?;
     let mesh = read_mesh(&file.name, &file.bytes)?;
-    let checked = || -> Result<_> {
+    let of_mesh = || -> Result<Body> {
         check_embedding(&mesh)?;
-        Ok(mesh.mass_properties()?)
+        Ok(Body::of_mesh(&description.name, mesh, Vec::new())?)
     };
-    let mass_properties = checked().with_context(|| file.name.clone())?;
+    let mut body = of_mesh().with_context(|| file.name.clone())?;
     let mut settings = BTreeMap::from([("mesh".to_owned(), file.name.clone())]);
-    let mut sites = Vec::new();
     if let Some(path) = &description.charges {
         let charges = InputFile::read(path)?;
-        sites = read_points(&charges.name, &charges.bytes)?
+        body.sites = read_points(&charges.name, &charges.bytes)?
             .into_iter()
             .map(site)
             .collect();
         settings.insert("charges".into(), charges.name);
         settings.insert("charges_sha256".into(), charges.sha256);
     }
-    let provenance = Provenance {
+    body.provenance = Provenance {
         source: file.name,
         source_sha256: file.sha256,
         origin_angstrom: Vec3::zeros(),
         settings,
     };
-    Ok(Body {
-        name: description.name.clone(),
-        mesh,
-        core: None,
-        sites,
-        capacitances_e2: Vec::new(),
-        titration: None,
-        residues: Vec::new(),
-        mass_properties,
-        provenance,
-    })
+    Ok(body)
 }
 
 fn site(record: protomer_io::points::PointRecord) -> Site {

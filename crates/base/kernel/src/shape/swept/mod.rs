@@ -16,6 +16,7 @@ mod quadrature;
 
 use super::Shape;
 use super::closest::{ClosestPoints, closest_points};
+use crate::bisection::halved;
 use crate::error::require;
 use crate::{Pose, Result, Vec3};
 use pieces::Pieces;
@@ -29,7 +30,7 @@ const ALONG_A_RAY: f64 = 1e-8;
 /// Number of angular sectors that are integrated first.
 const SECTORS: usize = 8;
 /// Number of halvings that find where a concave function ends.
-const HALVINGS: usize = 45;
+const HALVINGS: u32 = 45;
 
 /// A convex body in its place, swept by a ball.
 ///
@@ -37,8 +38,8 @@ const HALVINGS: usize = 45;
 /// use protomer_kernel::shape::{builders::by_name, swept::Swept};
 /// use protomer_kernel::{Pose, Vec3};
 /// let cube = by_name("cube")?;
-/// let there = Pose { position: Vec3::new(1.05, 0.0, 0.0), ..Pose::identity() };
-/// let bodies = [Pose::identity(), there].map(|pose| Swept::new(&cube, 0.1, &pose));
+/// let neighbour = Pose { position: Vec3::new(1.05, 0.0, 0.0), ..Pose::identity() };
+/// let bodies = [Pose::identity(), neighbour].map(|pose| Swept::new(&cube, 0.1, &pose));
 /// let [first, second] = bodies;
 /// let shared = first?.overlap(&second?);
 /// assert!((shared - 0.1956929).abs() < 1e-6);
@@ -196,17 +197,10 @@ impl<'a> Shared<'a> {
 
     /// Largest distance from the inner point, in a direction, of lines that cross the common part.
     fn rim(&self, direction: &Vec3) -> f64 {
-        let (mut within, mut beyond) = (0.0, self.reach);
         // The shared part is convex: along a ray the length
         // is positive up to the rim, then never again.
-        for _ in 0..HALVINGS {
-            let middle = f64::midpoint(within, beyond);
-            match self.length(&(middle * direction)) > 0.0 {
-                true => within = middle,
-                false => beyond = middle,
-            }
-        }
-        within
+        let crosses = |distance: f64| self.length(&(distance * direction)) > 0.0;
+        halved([0.0, self.reach], HALVINGS, crosses)[0]
     }
 
     /// The integral from the inside to the rim of the length times a power of the distance. With

@@ -14,25 +14,10 @@ pub fn generator(seed: u64) -> SmallRng {
 /// An octahedron subdivided `level` times (8 · 4^level triangles) with its corners at distance
 /// `radius` of their direction.
 pub fn star_mesh(level: usize, radius: impl Fn(&Vec3) -> f64) -> TriangleMesh {
-    let axes = [
-        Vec3::x(),
-        -Vec3::x(),
-        Vec3::y(),
-        -Vec3::y(),
-        Vec3::z(),
-        -Vec3::z(),
-    ];
-    let mut vertices = axes.to_vec();
-    let mut triangles: Vec<[u32; 3]> = vec![
-        [0, 2, 4],
-        [2, 1, 4],
-        [1, 3, 4],
-        [3, 0, 4],
-        [2, 0, 5],
-        [1, 2, 5],
-        [3, 1, 5],
-        [0, 3, 5],
-    ];
+    let TriangleMesh {
+        mut vertices,
+        mut triangles,
+    } = TriangleMesh::octahedron(1.0);
     for _ in 0..level {
         let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
         let mut middle = |a: u32, b: u32| {
@@ -105,7 +90,7 @@ pub fn random_pose(random: &mut SmallRng, distance: f64) -> RelativePose {
         random_direction(random) * distance,
         random_orientation(random),
     );
-    RelativePose::new(&Pose::identity(), &second, &second.position)
+    RelativePose::from(&second)
 }
 
 /// The same pose with its translation scaled so that it is `extra` longer.

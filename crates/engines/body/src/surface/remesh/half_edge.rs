@@ -541,27 +541,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn octahedron() -> HalfEdgeMesh {
-        let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-        let vertices = axes
-            .iter()
-            .copied()
-            .chain(axes.iter().map(|axis| -axis))
-            .collect();
-        let triangles = vec![
-            [0, 1, 2],
-            [1, 3, 2],
-            [3, 4, 2],
-            [4, 0, 2],
-            [1, 0, 5],
-            [3, 1, 5],
-            [4, 3, 5],
-            [0, 4, 5],
-        ];
-        HalfEdgeMesh::new(TriangleMesh {
-            vertices,
-            triangles,
-        })
-        .unwrap()
+        HalfEdgeMesh::new(TriangleMesh::octahedron(1.0)).unwrap()
     }
 
     proptest! {

@@ -8,6 +8,7 @@
 
 use crate::lattice::contact::TOUCHING;
 use crate::lattice::contact::separation::Along;
+use protomer_kernel::bisection::halved;
 
 /// A gap this small is a root.
 pub const ROOT: f64 = 1e-11;
@@ -19,7 +20,7 @@ const MOST_ADVANCES: usize = 10_000;
 /// touch.
 const MISSED_DEPTH: f64 = 0.01;
 /// Halvings of the time in which a contact that did not come apart sinks in.
-const BISECTIONS: usize = 40;
+const BISECTIONS: u32 = 40;
 
 /// A gap at some time: its functions, and how long until one of them has a kink.
 pub struct Probe<const N: usize> {
@@ -138,19 +139,11 @@ pub fn first_root<const N: usize>(
 fn last_above<const N: usize>(
     probe: &impl Fn(f64) -> Probe<N>,
     lowest: f64,
-    mut open: f64,
-    mut closed: f64,
+    open: f64,
+    closed: f64,
 ) -> f64 {
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (open + closed);
-        let (gap, _) = probe(middle).gap_and_rate();
-        if gap < lowest {
-            closed = middle;
-        } else {
-            open = middle;
-        }
-    }
-    open
+    let is_open = |time: f64| probe(time).gap_and_rate().0 >= lowest;
+    halved([open, closed], BISECTIONS, is_open)[0]
 }
 
 /// The largest δ with m + m' δ - K δ²/2 ≥ 0.

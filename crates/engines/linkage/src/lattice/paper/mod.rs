@@ -28,6 +28,7 @@ use crate::plane::Vector;
 use ansatz::Ansatz;
 use nalgebra::{DMatrix, DVector, SVD};
 pub use normal::printed_normal;
+use protomer_kernel::bisection::narrowed;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -393,23 +394,12 @@ impl Hit {
 /// The time at which the ansatz takes a corner through the side of its target, by bisection.
 fn root_by_ansatz(ansatz: &Ansatz, network: &Network, step: f64, hit: &Hit) -> Option<f64> {
     let is_inside = |time: f64| height(network, &ansatz.land(time).positions, hit) < 0.0;
-    let (mut low, mut high) = (0.0, step);
-    let at_first = is_inside(low);
-    if at_first == is_inside(high) {
+    let starts_inside = is_inside(0.0);
+    if starts_inside == is_inside(step) {
         return None;
     }
-    while (high - low).abs() > ANSATZ_TIME * step.abs() {
-        let middle = 0.5 * (low + high);
-        if middle == low || middle == high {
-            break;
-        }
-        if is_inside(middle) == at_first {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(high)
+    let is_before = |time: f64| is_inside(time) == starts_inside;
+    Some(narrowed([0.0, step], ANSATZ_TIME * step.abs(), is_before)[1])
 }
 
 /// The row of a contact; corners head on take the normal of eq. 42 as printed, where it is defined.

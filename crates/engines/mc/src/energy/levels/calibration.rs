@@ -7,6 +7,7 @@ use super::sharpening::STEPS;
 use super::table::{Estimate, Table, fine_deviation};
 use crate::energy::pair_energy_kt;
 use crate::system::System;
+use protomer_kernel::bisection::halved;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
@@ -193,7 +194,7 @@ impl Errors {
             let drift_angstrom = f64::from(SKIN_ANGSTROM.max(PART_OF_DISTANCE * gap as f32));
             let before = moved(&present_pose, drift_angstrom, DRIFT_RADIAN, rng);
             let [before, present_pose, trial_pose] =
-                [before, present_pose, trial_pose].map(|pose| relative(&pose));
+                [before, present_pose, trial_pose].map(|pose| RelativePose::from(&pose));
             let mut list = List::new(first, second, &before, COARSE_OPENING);
             // The drift was too far for the list; as in a run, it is made afresh.
             if !(list.serves(&present_pose) && list.serves(&trial_pose)) {
@@ -377,10 +378,6 @@ fn moved(pose: &Pose, step_angstrom: f64, step_rad: f64, rng: &mut CounterRng) -
     }
 }
 
-fn relative(pose: &Pose) -> RelativePose {
-    RelativePose::new(&Pose::identity(), pose, &pose.position)
-}
-
 /// Every other pose is near contact; the others are as far as errors matter, Å.
 fn random_gap(pose: u32, rng: &mut CounterRng) -> f64 {
     match pose % 2 {
@@ -407,14 +404,6 @@ fn apart(first: &Table, second: &Table, wanted: f64, rng: &mut CounterRng) -> Po
     while gap(high) < wanted {
         (low, high) = (high, 2.0 * high);
     }
-    for _ in 0..12 {
-        let middle = (low + high) / 2.0;
-        if gap(middle) < wanted {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
     // The far end: never nearer than requested.
-    second_pose(high)
+    second_pose(halved([low, high], 12, |distance| gap(distance) < wanted)[1])
 }

@@ -240,10 +240,6 @@ mod tests {
         }
     }
 
-    fn relative(pose: &Pose) -> RelativePose {
-        RelativePose::new(&Pose::identity(), pose, &pose.position)
-    }
-
     /// Each point by itself where the pair is.
     fn sum_over_points(field: &Field, motion: &Motion) -> f64 {
         let energy = |[x, y, z, charge]: [f32; 4]| {
@@ -260,7 +256,7 @@ mod tests {
         let field = field();
         let mut rng = CounterRng::new(10, 0, 0);
         let reference = pose(Vec3::new(4.0, 30.0, 8.0), &mut rng, 1.0);
-        let from = relative(&reference);
+        let from = RelativePose::from(&reference);
         let (points, reference_motion) = (points(), Motion::new(&from));
         let blocks = blocks(&points);
         let centre = centre(&points);
@@ -272,7 +268,7 @@ mod tests {
             for _ in 0..200 {
                 let step = rng.unit_vector() * f64::from(TEST_ANGSTROM) * times;
                 let turn = rng.small_rotation(f64::from(TEST_RADIAN) * times);
-                let to = relative(&Pose {
+                let to = RelativePose::from(&Pose {
                     position: reference.position + step,
                     rotation: turn * reference.rotation,
                 });

@@ -354,7 +354,7 @@ mod tests {
         };
         let parts: Vec<Part> = (0..37).map(|_| part(&mut rng)).collect();
         let lanes = Parts::new(&parts);
-        let relative = |pose: Pose| RelativePose::new(&Pose::identity(), &pose, &pose.position);
+        let relative = |pose: Pose| RelativePose::from(&pose);
         for _ in 0..50 {
             let rotation = rng.rotation();
             let from = Pose {

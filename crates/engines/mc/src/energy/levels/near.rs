@@ -183,10 +183,6 @@ mod tests {
     use protomer_kernel::random::CounterRng;
     use protomer_kernel::{Pose, Vec3};
 
-    fn relative(pose: &Pose) -> RelativePose {
-        RelativePose::new(&Pose::identity(), pose, &pose.position)
-    }
-
     #[test]
     fn groups_left_out_add_nothing() {
         const SKIN: f32 = 2.0;
@@ -221,7 +217,7 @@ mod tests {
                 product * split.near((pose.transform_point(second) - first).norm_squared())
             });
             let direct: f64 = direct.sum();
-            let (from, to) = (relative(&reference), relative(&pose));
+            let (from, to) = (RelativePose::from(&reference), RelativePose::from(&pose));
             let from_reference = Motion::between(&from, &to);
             let fine = pairs.energy_kt(&split, &to, &from_reference);
             let mut sum = [0.0; BLOCK];

@@ -95,7 +95,7 @@ impl Interacting {
 
     /// Energy of the second body at a pose in the frame of the first, in the order of the terms, kT.
     fn exact_kt(&self, i: usize, j: usize, second_in_first: &Pose) -> f64 {
-        let relative = relative(second_in_first);
+        let relative = RelativePose::from(second_in_first);
         self.terms(i, j)
             .map_or(0.0, |terms| terms.energy_kt(&relative))
     }
@@ -103,7 +103,7 @@ impl Interacting {
     /// Whether the surfaces of two bodies are nearer than a gap in the assembly.
     fn touch(&self, i: usize, j: usize, poses: &[Pose], gap_angstrom: f64) -> bool {
         let shape = |body: usize| &self.types[self.kinds[body]].shape;
-        let relative = relative(&poses[j].then(&poses[i].inverse()));
+        let relative = RelativePose::from(&poses[j].then(&poses[i].inverse()));
         comes_within(shape(i), shape(j), &relative, gap_angstrom)
     }
 
@@ -122,7 +122,7 @@ impl Interacting {
 impl BodyEnergies for Interacting {
     fn overlap(&self, first: usize, second: usize, first_pose: &Pose, second_pose: &Pose) -> bool {
         let shape = |body: usize| &self.types[self.kinds[body]].shape;
-        let relative = relative(&second_pose.then(&first_pose.inverse()));
+        let relative = RelativePose::from(&second_pose.then(&first_pose.inverse()));
         overlaps(shape(first), shape(second), &relative)
     }
 
@@ -137,13 +137,6 @@ impl BodyEnergies for Interacting {
         expanded
             .and_then(|expansion| expansion.energy_kt(&second_in_first))
             .unwrap_or_else(|| self.exact_kt(i, j, &second_in_first))
-    }
-}
-
-fn relative(second_in_first: &Pose) -> RelativePose {
-    RelativePose {
-        rotation: second_in_first.rotation.to_rotation_matrix().into_inner(),
-        translation: second_in_first.position,
     }
 }
 

@@ -9,6 +9,7 @@
 
 use super::condition::PartFound;
 use super::plan::Plan;
+use protomer_kernel::bisection::narrowed;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
 use protomer_mc::parts::{PartKind, Species, free_concentrations, species_concentrations};
@@ -209,18 +210,13 @@ impl<'a> PartLogs<'a> {
 
     fn crossing_molar(&self, ln_partition: &[f64]) -> Option<f64> {
         let (low, high) = CONCENTRATIONS_MOLAR;
-        let (mut low, mut high) = (low.ln(), high.ln());
         // The yield of the largest part rises with the concentration.
-        if self.whole(ln_partition, high.exp()) < 0.5 || self.whole(ln_partition, low.exp()) > 0.5 {
+        let whole = |ln_molar: f64| self.whole(ln_partition, ln_molar.exp());
+        let ends = [low.ln(), high.ln()];
+        if whole(ends[1]) < 0.5 || whole(ends[0]) > 0.5 {
             return None;
         }
-        while high - low > 1e-6 {
-            let middle = 0.5 * (low + high);
-            match self.whole(ln_partition, middle.exp()) < 0.5 {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
+        let [low, high] = narrowed(ends, 1e-6, |ln_molar| whole(ln_molar) < 0.5);
         Some((0.5 * (low + high)).exp())
     }
 }
@@ -288,15 +284,11 @@ fn crossing_salt(
         .collect()
     };
     let starts_low = shares[between] < 0.5;
-    let (mut low, mut high) = (0.0, 1.0);
-    while high - low > 1e-6 {
-        let middle = 0.5 * (low + high);
-        let share = parts.share(counted, &mixed(middle), concentration_molar);
-        match (share < 0.5) == starts_low {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
+    let is_before = |part: f64| {
+        let share = parts.share(counted, &mixed(part), concentration_molar);
+        (share < 0.5) == starts_low
+    };
+    let [low, high] = narrowed([0.0, 1.0], 1e-6, is_before);
     let (from, to) = (conditions[between].0, conditions[between + 1].0);
     Some(from * (to / from).powf(0.5 * (low + high)))
 }

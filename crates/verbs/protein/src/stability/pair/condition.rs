@@ -12,8 +12,8 @@ use anyhow::{Error, Result, bail};
 use protomer_common::answer::counted;
 use protomer_field::effective_charges::EffectiveCharges;
 use protomer_io::atomic::write_atomically;
+use protomer_kernel::RelativePose;
 use protomer_kernel::overlap::comes_within;
-use protomer_kernel::{Pose, RelativePose};
 use protomer_mc::charges::ChargeCloud;
 use protomer_mc::pair::{
     BodyPair, Charged, Estimator, PairSettings, Term, Terms, Well, WellIntegral, Wells,
@@ -234,7 +234,7 @@ impl<'a> Condition<'a> {
         let is_near = |well: &&Well| {
             // The pose is that of the second body; the first is at the origin.
             let pose = &well.pose.pose;
-            let relative = RelativePose::new(&Pose::identity(), pose, &pose.position);
+            let relative = RelativePose::from(pose);
             comes_within(first, second, &relative, effective::LEAST_GAP_ANGSTROM)
         };
         let near = wells.iter().filter(is_near).count();
@@ -288,12 +288,7 @@ impl Run for Condition<'_> {
     const CHECKPOINT_KIND: &'static str = "pair";
 
     fn work(&self) -> Work {
-        Work {
-            kind: ResultKind::PairCondition,
-            verb: "pair",
-            identity: self.identity.clone(),
-            input_sha256: String::new(),
-        }
+        Work::new(ResultKind::PairCondition, "pair", &self.identity, "")
     }
 
     fn length(&self) -> u64 {

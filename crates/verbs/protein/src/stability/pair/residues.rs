@@ -50,7 +50,7 @@ pub(super) fn residue_energies(
         return None;
     }
     let of_second = Pose::from_wxyz(Vec3::from(pose.position_angstrom), pose.orientation_wxyz);
-    let relative = RelativePose::new(&Pose::identity(), &of_second, &of_second.position);
+    let relative = RelativePose::from(&of_second);
     let places = bodies.map(ResiduePlaces::from_body);
     let mut energies = bodies.map(|body| vec![EnergyParts::default(); body.residues.len()]);
     for term in &pair.potential.0 {
@@ -263,9 +263,9 @@ ATOM      1  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
 
     #[test]
     fn a_table_of_other_bodies_or_a_damaged_one_is_refused() {
-        let of = body(&[("A", 1, "LYS"), ("A", 2, "GLU")]);
+        let types = body(&[("A", 1, "LYS"), ("A", 2, "GLU")]);
         let refused = |csv: String| {
-            let error = table(csv).energies_kt([&of, &of], 1).unwrap_err();
+            let error = table(csv).energies_kt([&types, &types], 1).unwrap_err();
             format!("{error:#}")
         };
         let head = columns().join(",");

@@ -6,7 +6,6 @@ use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::Result;
 use protomer_body::Body;
 use protomer_io::csv::{Cell, Table};
-use protomer_kernel::Pose;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::units::AVOGADRO_PER_MOL;
 use protomer_mc::pair::profile::MeanForceRow;
@@ -209,7 +208,7 @@ impl PoseResult {
         let pose = bound.pose;
         let integral = found.integral.as_ref();
         let volume = integral.map(|integral| integral.association_volume_angstrom3);
-        let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
+        let relative = RelativePose::from(&pose);
         Self {
             energy_kt: bound.energy_kt,
             parts: pair.potential.parts_kt(&relative),
