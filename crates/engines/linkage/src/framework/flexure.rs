@@ -7,7 +7,7 @@
 //! a beam are then summed by trapezia, so that a rib whose ends stay parallel resists with
 //! 12 EI/L³ / (1 + 2/n²).
 
-use super::build::rods_at;
+use super::build::{hinge, rods_at};
 use super::model::{Framework, Hinge, Neighbour, Rod};
 use crate::error::{CrystalError, Result, require, require_positive};
 
@@ -167,15 +167,6 @@ struct End {
     towards: Neighbour,
     /// Stiffness of half a segment, kcal/mol/rad².
     stiffness: f64,
-}
-
-fn hinge(vertex: usize, between: [Neighbour; 2], stiffness_kcal_mol_rad2: f64) -> Hinge {
-    Hinge {
-        vertex,
-        between,
-        stiffness_kcal_mol_rad2,
-        rest_angle_rad: None,
-    }
 }
 
 fn length(framework: &Framework, rod: &Rod) -> f64 {

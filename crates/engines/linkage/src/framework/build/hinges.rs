@@ -3,7 +3,11 @@
 use crate::framework::model::{Framework, Hinge, Neighbour, Rod};
 
 /// A hinge that is at rest as built.
-pub(super) fn hinge(vertex: usize, between: [Neighbour; 2], stiffness_kcal_mol_rad2: f64) -> Hinge {
+pub(in crate::framework) fn hinge(
+    vertex: usize,
+    between: [Neighbour; 2],
+    stiffness_kcal_mol_rad2: f64,
+) -> Hinge {
     Hinge {
         vertex,
         between,

@@ -19,7 +19,7 @@ mod ribs;
 
 pub use cristobalite::alpha_cristobalite;
 pub use cubic::{diamond, face_centred_cubic};
-pub(super) use hinges::rods_at;
+pub(super) use hinges::{hinge, rods_at};
 pub use honeycomb::{arrowhead, honeycomb};
 pub use polygons::{rod_lattice, rotating_squares, rotating_triangles};
 pub use ribs::{MissingRib, chiral, missing_rib, stars};
