@@ -104,3 +104,14 @@ def write_assembly(path, bodies, placements, box=None):
     }
     path.write_text(json.dumps(content))
     return path
+
+
+def write_row(path, protomer, count, charge, box, bands=8):
+    """An assembly file of balls of 8 Å in a row, by turns with a charge (e) of either sign off their centre."""
+    folder = path.parent
+    (folder / "ball.off").write_text(sphere_mesh_off(8.0, bands))
+    for name, sign in [("plus", 1), ("minus", -1)]:
+        (folder / f"{name}.xyzq").write_text(f"3 0 0 {sign * charge}\n-3 0 0 1\n")
+        protomer("body", "--mesh", folder / "ball.off", "--charges", folder / f"{name}.xyzq", "-o", folder / f"{name}.body", parse=False)
+    placements = [(["plus", "minus"][k % 2], (18.0 * k, 0, 0), (1, 0, 0, 0)) for k in range(count)]
+    return write_assembly(path, ["plus", "minus"], placements, box)

@@ -1,12 +1,11 @@
 """Report pages in a headless Chromium: drawn to the end, a clean console, nothing asked of the network, no sideways scroll,
 letters that can be read on a phone, bodies that follow keys, wheel and fingers."""
 
-import json
 
 import pytest
 
 from chromium import BINARY, Chromium
-from conftest import ROOT, sphere_mesh_off
+from conftest import ROOT, write_row
 
 pytestmark = pytest.mark.skipif(BINARY is None, reason="no Chromium here; install the package chromium")
 
@@ -75,16 +74,7 @@ def looked_at(chromium, file, width):
 @pytest.fixture(scope="module")
 def sweep(tmp_path_factory, protomer):
     folder = tmp_path_factory.mktemp("report")
-    (folder / "ball.off").write_text(sphere_mesh_off(8.0))
-    for name, charge in [("plus", 6), ("minus", -6)]:
-        (folder / f"{name}.xyzq").write_text(f"3 0 0 {charge}\n-3 0 0 1\n")
-        protomer("body", "--mesh", folder / "ball.off", "--charges", folder / f"{name}.xyzq", "-o", folder / f"{name}.body", parse=False)
-    placements = [
-        {"body": ["plus", "minus"][k % 2], "position_angstrom": [18.0 * k, 0, 0], "orientation_wxyz": [1, 0, 0, 0]} for k in range(3)
-    ]
-    bodies = [{"name": name, "file": f"{name}.body"} for name in ["plus", "minus"]]
-    assembly = {"box_angstrom": [200, 200, 200], "bodies": bodies, "placements": placements}
-    (folder / "row.json").write_text(json.dumps(assembly))
+    write_row(folder / "row.json", protomer, 3, charge=6, box=200)
     protomer("sweep", folder / "row.json", "--salt", "50mM,200mM", "--replicas", 2, "--sweeps", 40, "--equilibration", 10,
              "--trajectory-every", 20, "-o", folder / "sweep", "-q", parse=False)
     protomer("report", folder / "sweep", "-q", parse=False)

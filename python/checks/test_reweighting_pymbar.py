@@ -1,13 +1,12 @@
 """Curves from all frames of a sweep, by pymbar from the energies that `reweight` writes."""
 
 import csv
-import json
 
 import numpy as np
 import pymbar
 import pytest
 
-from conftest import sphere_mesh_off
+from conftest import write_row
 
 SALTS_MOLAR = (0.05, 0.1, 0.3)
 
@@ -16,16 +15,7 @@ SALTS_MOLAR = (0.05, 0.1, 0.3)
 def weighted(tmp_path_factory, protomer):
     """The answer of `reweight` and the rows of its frames."""
     folder = tmp_path_factory.mktemp("reweight")
-    (folder / "ball.off").write_text(sphere_mesh_off(8.0, bands=4))
-    for name, charge in [("plus", 5), ("minus", -5)]:
-        (folder / f"{name}.xyzq").write_text(f"3 0 0 {charge}\n-3 0 0 1\n")
-        protomer("body", "--mesh", folder / "ball.off", "--charges", folder / f"{name}.xyzq", "-o", folder / f"{name}.body", parse=False)
-    placements = [
-        {"body": ["plus", "minus"][k % 2], "position_angstrom": [18.0 * k, 0, 0], "orientation_wxyz": [1, 0, 0, 0]} for k in range(2)
-    ]
-    bodies = [{"name": name, "file": f"{name}.body"} for name in ["plus", "minus"]]
-    assembly = {"box_angstrom": [100, 100, 100], "bodies": bodies, "placements": placements}
-    (folder / "two.json").write_text(json.dumps(assembly))
+    write_row(folder / "two.json", protomer, 2, charge=5, box=100, bands=4)
     protomer("sweep", folder / "two.json", "--salt", "50mM,100mM,300mM", "--replicas", 2, "--sweeps", 2000, "--equilibration", 100,
              "--trajectory-every", 10, "--exchange-every", 10, "--energy", "direct", "-o", folder / "sweep", "-q", parse=False)
     answer = protomer("reweight", folder / "sweep", "--salt", "50mM,100mM,300mM", "-o", folder / "curves", "-q", "--json")

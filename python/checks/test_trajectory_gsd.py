@@ -1,6 +1,5 @@
 """A trajectory written by simulate, opened and verified by the Python package gsd."""
 
-import json
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +8,7 @@ import gsd.hoomd
 import numpy as np
 import pytest
 
-from conftest import sphere_mesh_off
+from conftest import write_assembly, write_sphere_body
 
 CHECK = Path(__file__).with_name("check_gsd.py")
 
@@ -26,14 +25,9 @@ def require_equal_frame(frame, charge, box, scale=1.0):
 
 
 def test_trajectory_opens_in_gsd(tmp_path, protomer):
-    (tmp_path / "sphere.off").write_text(sphere_mesh_off(8.0))
-    (tmp_path / "charge.xyzq").write_text("0 0 0 3.0\n")
-    protomer("body", "--mesh", tmp_path / "sphere.off", "--charges", tmp_path / "charge.xyzq", "-o", tmp_path / "a.body", parse=False)
-    placements = [
-        {"body": "a", "position_angstrom": [x, 0, 0], "orientation_wxyz": [1, 0, 0, 0]} for x in (-20, 0, 20)
-    ]
-    assembly = {"box_angstrom": [200] * 3, "bodies": [{"name": "a", "file": "a.body"}], "placements": placements}
-    (tmp_path / "assembly.json").write_text(json.dumps(assembly))
+    write_sphere_body(tmp_path, protomer, "a", 8.0, 3.0)
+    placements = [("a", (x, 0, 0), (1, 0, 0, 0)) for x in (-20, 0, 20)]
+    write_assembly(tmp_path / "assembly.json", ["a"], placements, box=200)
     protomer(
         "simulate", tmp_path / "assembly.json", "--salt", "100mM", "--sweeps", 50, "--equilibration", 10,
         "--trajectory-every", 10, "-o", tmp_path / "run", parse=False,

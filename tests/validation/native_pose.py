@@ -9,13 +9,13 @@ OUTPUT/native-poses.csv and prints the table of the page. Work that is done is n
 """
 
 import argparse
-import csv
 import gzip
 import json
 import math
-import resource
 import subprocess
 from pathlib import Path
+
+from binding import seconds, write_rows
 
 MODEL, SALT = "natural-1", "150mM"
 # A quarter of the default: the wells come from the starts, not from the precision of B2.
@@ -51,11 +51,6 @@ def smallest(folder, largest):
     entries = [path.name.split("_")[0] for path in folder.glob("*_receptor_bound.pdb.gz")]
     sizes = sorted((size(folder, entry, "bound"), entry) for entry in entries)
     return [entry for count, entry in sizes if count <= largest]
-
-
-def seconds():
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def run_once(path, words):
@@ -145,13 +140,6 @@ def row_of(arguments, entry, state):
     row["others_below_native"] = sum(energy_kt < min(by_both) for energy_kt in others) if by_both else ""
     row["pair_cpu_seconds"] = round(cpu_seconds)
     return row
-
-
-def write_rows(path, rows):
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def table(rows):
