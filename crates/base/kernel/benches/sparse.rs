@@ -56,14 +56,14 @@ impl Network {
         let reach = columns * rows * usize::from(layers > 1) + columns + 1;
         let mut entries = Vec::new();
         let mut places = Vec::new();
-        for here in 0..nodes {
-            for other in here.saturating_sub(reach)..=here {
-                if are_neighbours(place(here), place(other)) {
-                    add_block(&mut entries, here, other, unknowns);
+        for node in 0..nodes {
+            for other in node.saturating_sub(reach)..=node {
+                if are_neighbours(place(node), place(other)) {
+                    add_block(&mut entries, node, other, unknowns);
                 }
             }
             for _ in 0..unknowns {
-                places.push(place(here).map(|x| x as f64));
+                places.push(place(node).map(|x| x as f64));
             }
         }
         let mut rng = CounterRng::new(1, 0, 0);

@@ -762,16 +762,16 @@ mod tests {
         for number in 0..100 {
             let mut rng = CounterRng::new(4, 0, number);
             let space = random_box::<3>(&mut rng);
-            let mut by = [[0.0; 3]; 3];
-            for (number, row) in by.iter_mut().enumerate() {
+            let mut deformation = [[0.0; 3]; 3];
+            for (number, row) in deformation.iter_mut().enumerate() {
                 row[number] = rng.uniform_in(0.5, 2.0);
                 row[number + 1..].fill_with(|| rng.uniform_in(-1.0, 1.0));
             }
-            let deformed = space.deformed(&by);
+            let deformed = space.deformed(&deformation);
             for edge in 0..3 {
                 let [before, after] = [space.edge(edge), deformed.edge(edge)];
                 for row in 0..3 {
-                    let expected: f64 = (0..3).map(|k| by[row][k] * before[k]).sum();
+                    let expected: f64 = (0..3).map(|k| deformation[row][k] * before[k]).sum();
                     assert!((after[row] - expected).abs() < 1e-12);
                 }
             }

@@ -171,26 +171,26 @@ mod tests {
 
     #[test]
     fn the_identity_is_that_of_the_essential_settings_and_the_input() {
-        let of = |settings: &Run, input| identity(settings, input).unwrap();
-        assert_eq!(of(&run(1, 10), "a"), of(&run(1, 20), "a"));
-        assert_ne!(of(&run(1, 10), "a"), of(&run(2, 10), "a"));
-        assert_ne!(of(&run(1, 10), "a"), of(&run(1, 10), "b"));
+        let identified = |settings: &Run, input| identity(settings, input).unwrap();
+        assert_eq!(identified(&run(1, 10), "a"), identified(&run(1, 20), "a"));
+        assert_ne!(identified(&run(1, 10), "a"), identified(&run(2, 10), "a"));
+        assert_ne!(identified(&run(1, 10), "a"), identified(&run(1, 10), "b"));
     }
 
     #[test]
     fn differences_name_both_values_and_where_they_stand() {
-        let there = run(1, 10);
-        let here = Run {
+        let earlier = run(1, 10);
+        let present = Run {
             tolerance: Some(0.5),
             medium: InteractionSettings { name: "oil".into() },
             ..run(2, 10)
         };
         assert_eq!(
-            differences(&there, &here).unwrap(),
+            differences(&earlier, &present).unwrap(),
             "medium.name: \"water\" there, \"oil\" here; seed: 1 there, 2 here; \
              tolerance: none there, 0.5 here"
         );
-        assert_eq!(differences(&there, &there).unwrap(), "");
+        assert_eq!(differences(&earlier, &earlier).unwrap(), "");
         let many = |value: u32| -> Table {
             (0..9)
                 .map(|key| (format!("k{key}"), Value::Integer(value.into())))

@@ -131,11 +131,11 @@ mod tests {
         let tip = |body: &crate::Body| body.sites[2].position;
         let hard = [&acceptor, &donor].map(|body| HardBody::from_body(body).unwrap());
         let position = tip(&acceptor) + Vec3::new(distance_angstrom, 0.0, 0.0) - tip(&donor);
-        let there = Pose {
+        let moved = Pose {
             position,
             ..Pose::identity()
         };
-        HardBodies::new(hard.into()).any_overlap(&[(0, Pose::identity()), (1, there)])
+        HardBodies::new(hard.into()).any_overlap(&[(0, Pose::identity()), (1, moved)])
     }
 
     /// The hydrogen bond of a backbone is 2.9 Å long, the sum of the Bondi radii 3.07 Å.

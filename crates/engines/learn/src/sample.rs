@@ -108,14 +108,14 @@ impl SparseGrid {
 /// ```
 /// use protomer_learn::Description;
 ///
-/// let known = Description {
+/// let entry = Description {
 ///     name: "5pti".into(),
 ///     label: "P 21 21 21".into(),
 ///     cluster: "trypsin inhibitor".into(),
 ///     residues: 58.0,
 ///     ..Description::default()
 /// };
-/// assert_eq!(known.family, "", "no other crystal of this form");
+/// assert_eq!(entry.family, "", "no other crystal of this form");
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Description {

@@ -11,8 +11,8 @@ use std::fmt;
 /// use protomer_learn::controls::{Control, Variant};
 ///
 /// let set = Control::Shapes.samples(Variant::Usual, 12, 16, 1);
-/// let round = |known: &Description| {
-///     (known.label == "sphere" || known.label == "torus").then(|| "round".to_owned())
+/// let round = |sample: &Description| {
+///     (sample.label == "sphere" || sample.label == "torus").then(|| "round".to_owned())
 /// };
 /// let view = View::new(&set).relabelled(round);
 /// assert_eq!(view.descriptions().len(), 4);
@@ -127,10 +127,10 @@ mod tests {
     #[test]
     fn samples_are_the_chosen_ones_under_their_new_labels() {
         let set = set();
-        let odd = View::new(&set).relabelled(|known| (known.label == "1").then(|| "odd".into()));
-        let known = odd.descriptions();
-        assert_eq!([&*known[0].name, &*known[1].name], ["s1", "s3"]);
-        assert_eq!([&*known[0].label, &*known[1].label], ["odd", "odd"]);
+        let odd = View::new(&set).relabelled(|sample| (sample.label == "1").then(|| "odd".into()));
+        let samples = odd.descriptions();
+        assert_eq!([&*samples[0].name, &*samples[1].name], ["s1", "s3"]);
+        assert_eq!([&*samples[0].label, &*samples[1].label], ["odd", "odd"]);
         assert_eq!(odd.voxels(1).unwrap().index, [3]);
         assert!(odd.voxels(2).is_err());
     }
@@ -138,8 +138,8 @@ mod tests {
     #[test]
     fn a_view_of_a_view_leads_back_to_the_set() {
         let set = set();
-        let odd = View::new(&set).relabelled(|known| (known.label == "1").then(|| "odd".into()));
-        let last = odd.relabelled(|known| (known.name == "s3").then(|| "last".into()));
+        let odd = View::new(&set).relabelled(|sample| (sample.label == "1").then(|| "odd".into()));
+        let last = odd.relabelled(|sample| (sample.name == "s3").then(|| "last".into()));
         assert_eq!(last.voxels(0).unwrap().index, [3]);
         assert_eq!(last.descriptions()[0].label, "last");
     }

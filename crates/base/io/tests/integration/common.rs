@@ -7,3 +7,8 @@ pub fn cases(usual: u32) -> u32 {
         .and_then(|cases| cases.parse().ok())
         .unwrap_or(usual)
 }
+
+/// What an error says.
+pub fn message<T, E: ToString>(refused: Result<T, E>) -> String {
+    refused.err().unwrap().to_string()
+}

@@ -1,6 +1,6 @@
 //! Trajectories: read back, continued byte for byte, cut and damaged.
 
-use crate::common::cases;
+use crate::common::{cases, message};
 use proptest::prelude::*;
 use protomer_io::gsd::trajectory::enclosing_box;
 use protomer_io::gsd::{
@@ -138,49 +138,25 @@ fn a_trajectory_that_does_not_fit_is_refused() {
     let path = folder.path().join("t.gsd");
     write(&path, 5);
     let before = std::fs::read(&path).unwrap();
-    let error = TrajectoryWriter::resume(&path, &header(), 6)
-        .unwrap_err()
-        .to_string();
+    let error = message(TrajectoryWriter::resume(&path, &header(), 6));
     assert!(
         error.contains("it holds 5 frames where the checkpoint has written 6"),
         "{error}"
     );
     let mut other = header();
     other.charges_e[0] = 7.0;
-    let error = TrajectoryWriter::resume(&path, &other, 5)
-        .unwrap_err()
-        .to_string();
+    let error = message(TrajectoryWriter::resume(&path, &other, 5));
     assert!(error.contains("other bodies"), "{error}");
     assert!(std::fs::read(&path).unwrap() == before);
     other.charges_e.pop();
-    assert!(
-        TrajectoryWriter::create(&path, &other)
-            .unwrap_err()
-            .to_string()
-            .contains("2 charges for 3 bodies")
-    );
+    assert!(message(TrajectoryWriter::create(&path, &other)).contains("2 charges for 3 bodies"));
     other = header();
     other.type_ids[1] = 2;
-    assert!(
-        TrajectoryWriter::create(&path, &other)
-            .unwrap_err()
-            .to_string()
-            .contains("a body is of type 2")
-    );
+    assert!(message(TrajectoryWriter::create(&path, &other)).contains("a body is of type 2"));
     std::fs::write(&path, "not a trajectory").unwrap();
-    assert!(
-        GsdFile::open(&path)
-            .unwrap_err()
-            .to_string()
-            .contains("is truncated")
-    );
+    assert!(message(GsdFile::open(&path)).contains("is truncated"));
     std::fs::write(&path, [b'x'; 500]).unwrap();
-    assert!(
-        GsdFile::open(&path)
-            .unwrap_err()
-            .to_string()
-            .contains("it is not a GSD file")
-    );
+    assert!(message(GsdFile::open(&path)).contains("it is not a GSD file"));
 }
 
 #[test]
@@ -214,7 +190,7 @@ fn an_index_that_names_more_frames_than_it_has_is_refused() {
         damaged[frame(last)].copy_from_slice(&forged.to_le_bytes());
         std::fs::write(&path, damaged).unwrap();
         // The index ends with this entry, because those behind it are of earlier frames.
-        let refused = GsdFile::open(&path).unwrap_err().to_string();
+        let refused = message(GsdFile::open(&path));
         assert!(
             refused.contains(&format!("it names frame {forged} and has")),
             "{refused}"
@@ -281,13 +257,7 @@ fn frames_that_cannot_be_written_are_refused() {
         log: &[],
         charges_e: None,
     };
-    assert!(
-        trajectory
-            .append(&frame)
-            .unwrap_err()
-            .to_string()
-            .contains("2 poses for 3 bodies")
-    );
+    assert!(message(trajectory.append(&frame)).contains("2 poses for 3 bodies"));
 }
 
 #[test]
@@ -298,9 +268,7 @@ fn open_space_gets_a_box_that_holds_every_body() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_is_named() {
-    let error = TrajectoryWriter::create(Path::new("/dev/full"), &header())
-        .unwrap_err()
-        .to_string();
+    let error = message(TrajectoryWriter::create(Path::new("/dev/full"), &header()));
     assert!(
         error.contains("cannot write /dev/full: No space left on device"),
         "{error}"
@@ -330,8 +298,8 @@ proptest! {
         let path = folder.path().join("t.gsd");
         write(&path, 4);
         let mut bytes = std::fs::read(&path).unwrap();
-        for (at, value) in changes {
-            bytes[at] = value;
+        for (place, value) in changes {
+            bytes[place] = value;
         }
         if let Some(cut) = cut {
             bytes.truncate(cut.index(bytes.len()));

@@ -1,6 +1,6 @@
 //! PQR, XYZR and XYZQ: round trips, dialects, errors.
 
-use crate::common::cases;
+use crate::common::{cases, message};
 use proptest::prelude::*;
 use protomer_io::points::{PointRecord, read_points};
 use protomer_io::pqr::{read_pqr, write_pqr};
@@ -174,19 +174,14 @@ fn errors_name_the_line() {
         ),
         ("a.xyzr", "# nothing\n", "a.xyzr: the file holds no points"),
     ] {
-        let error = read_points(name, text.as_bytes()).unwrap_err().to_string();
+        let error = message(read_points(name, text.as_bytes()));
         assert!(error.contains(expected), "{error}\nwanted: {expected}");
     }
     let spaced = PointRecord {
         atom_name: "C A".into(),
         ..PointRecord::default()
     };
-    assert!(
-        write_pqr(&[spaced])
-            .unwrap_err()
-            .to_string()
-            .contains("C A")
-    );
+    assert!(message(write_pqr(&[spaced])).contains("C A"));
     let infinite = PointRecord {
         charge_e: f64::INFINITY,
         ..PointRecord::default()
@@ -222,12 +217,7 @@ fn a_byte_order_mark_is_no_part_of_the_first_line() {
             .len(),
         1
     );
-    assert!(
-        read_pqr("x.pqr", "\u{feff}".as_bytes())
-            .unwrap_err()
-            .to_string()
-            .contains("empty")
-    );
+    assert!(message(read_pqr("x.pqr", "\u{feff}".as_bytes())).contains("empty"));
 }
 
 #[test]
@@ -240,9 +230,7 @@ fn no_atom_of_a_pqr_is_lost_without_a_word() {
         assert_eq!(read_pqr("x.pqr", text.as_bytes()).unwrap().len(), 4);
     }
     let misspelt = atoms.join("\n").replacen("ATOM 3", "ATAM 3", 1);
-    let error = read_pqr("x.pqr", misspelt.as_bytes())
-        .unwrap_err()
-        .to_string();
+    let error = message(read_pqr("x.pqr", misspelt.as_bytes()));
     assert!(
         error.contains("x.pqr:3") && error.contains("ATAM") && error.contains("write ATOM"),
         "{error}"

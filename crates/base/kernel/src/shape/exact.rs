@@ -30,12 +30,12 @@ pub type Faces = [Vec<usize>];
 /// use protomer_kernel::shape::separation::{Pair, error_of_heights, pack};
 /// let square = pack(&[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]);
 /// let edges = [vec![0, 1], vec![1, 2], vec![2, 3], vec![3, 0]];
-/// let at = |x: f64| {
+/// let touches = |x: f64| {
 ///     let (offset, error) = ([x, 0.25], error_of_heights(4.0));
 ///     let pair = Pair { first: &square, second: &square, offset, reach: 0.0, error };
 ///     overlap_exactly(&pair, [&edges, &edges])
 /// };
-/// assert!(at(1.0) && !at(1.0 + f64::EPSILON));
+/// assert!(touches(1.0) && !touches(1.0 + f64::EPSILON));
 /// ```
 pub fn overlap_exactly<const D: usize>(pair: &Pair<'_, D>, faces: [&Faces; 2]) -> bool {
     let places = Places::from_pair(pair);

@@ -288,12 +288,12 @@ impl<const D: usize> Pair<'_, D> {
     /// use protomer_kernel::shape::separation::{Pair, error_of_heights, pack};
     /// let square = pack(&[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]);
     /// let error = error_of_heights(4.0);
-    /// let at = |x: f64| {
+    /// let touches = |x: f64| {
     ///     let offset = [x, 0.3];
     ///     let pair = Pair { first: &square, second: &square, offset, reach: 0.0, error };
     ///     pair.overlap(&mut { offset }, || unreachable!())
     /// };
-    /// assert!(at(0.99) && !at(1.01));
+    /// assert!(touches(0.99) && !touches(1.01));
     /// ```
     pub fn overlap(&self, direction: &mut [f64; D], exact: impl FnOnce() -> bool) -> bool {
         self.decide(direction).unwrap_or_else(exact)

@@ -1,8 +1,6 @@
 //! Overlap against the slow obvious oracle and against an independent library.
 
-use crate::overlap_support;
-
-use overlap_support::*;
+use crate::overlap_support::*;
 use protomer_kernel::overlap::{CarriedBound, comes_within, distance, overlaps, separation_bound};
 use protomer_kernel::{CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
 use rand::RngExt;

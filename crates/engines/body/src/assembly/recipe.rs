@@ -184,8 +184,8 @@ impl Recipe {
     /// use protomer_body::assembly::{Placement, Recipe, RecipeSite};
     /// use protomer_kernel::Rotation;
     /// let spheres_overlap = |placements: &[Placement]| {
-    ///     let at = |i: usize| placements[i].1.position;
-    ///     (0..placements.len()).any(|i| (0..i).any(|j| (at(i) - at(j)).norm() < 2.0))
+    ///     let place = |i: usize| placements[i].1.position;
+    ///     (0..placements.len()).any(|i| (0..i).any(|j| (place(i) - place(j)).norm() < 2.0))
     /// };
     /// let ring = Recipe::ring(6, &[RecipeSite::upright(0)]);
     /// let closed = ring.close(&[Rotation::identity()], 0.0, 1e-9, spheres_overlap)?;

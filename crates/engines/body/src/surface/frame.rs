@@ -107,10 +107,10 @@ mod tests {
             .iter()
             .map(|p| motion * p + Vec3::new(3.0, -40.0, 0.7))
             .collect();
-        let (here, there) = (Frame::of_points(points), Frame::of_points(&moved));
+        let (plain, turned) = (Frame::of_points(points), Frame::of_points(&moved));
         for (before, after) in points.iter().zip(&moved) {
-            assert!((here.to_lattice(before) - there.to_lattice(after)).norm() < 1e-9);
-            assert!((here.to_input(&here.to_lattice(before)) - before).norm() < 1e-12);
+            assert!((plain.to_lattice(before) - turned.to_lattice(after)).norm() < 1e-9);
+            assert!((plain.to_input(&plain.to_lattice(before)) - before).norm() < 1e-12);
         }
     }
 

@@ -1,8 +1,6 @@
 //! Reading, selecting and charging the structures that come with the repository.
 
-use crate::common;
-
-use common::{bundled, bytes, read, select};
+use crate::common::{bundled, bytes, read, select};
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{ChargeModel, SiteSettings, build_sites, mutate, parse_mutations};
 use protomer_body::structure::{MissingAtoms, SelectionSettings, Structure};

@@ -2,9 +2,7 @@
 //! proportion. No test measures time: a hang is one that never ends, and a reader that takes more than
 //! linear time shows in [`a_hundred_megabytes_are_read_or_refused`].
 
-use crate::common;
-
-use common::{bundled, bytes, many_structures};
+use crate::common::{bundled, bytes, many_structures};
 use proptest::prelude::*;
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{ChargeModel, SiteSettings, build_sites};

@@ -1,13 +1,11 @@
 //! Which atoms are a residue, which residues a chain, and which records no atoms, in files as programs
 //! for molecular dynamics, NMR and electrostatics write them.
 
-use crate::small;
-
+use crate::small::{atom, line, residue, select, select_with};
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{SiteSettings, build_sites, mutate, parse_mutations};
 use protomer_body::structure::{Selection, SelectionSettings, Structure};
 use protomer_body::{BodySettings, Source, build_body, structure_warnings};
-use small::{atom, line, residue, select, select_with};
 
 /// A chain of alanines from number `first`, `y` Å from the axis.
 fn chain(place: &str, first: usize, count: usize, y: f64) -> String {

@@ -1,14 +1,12 @@
 //! Small structures written for one rule each.
 
-use crate::small;
-
+use crate::small::{atom, line, residue, select, select_with};
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{
     ChargeModel, SiteSettings, build_sites, mutate, parse_mutations, sites_of_points,
 };
 use protomer_body::structure::{SelectedResidue, Selection, SelectionSettings, Structure};
 use protomer_kernel::{PointRecord, Vec3};
-use small::{atom, line, residue, select, select_with};
 
 fn names(residue: &SelectedResidue) -> Vec<&str> {
     residue.atoms.iter().map(|atom| &*atom.name).collect()

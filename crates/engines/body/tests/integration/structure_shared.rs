@@ -1,8 +1,6 @@
 //! The larger set of real structures, which is not part of the repository.
 
-use crate::common;
-
-use common::{bytes, many_structures, read, select};
+use crate::common::{bytes, many_structures, read, select};
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{SiteSettings, build_sites, residue_names};
 use protomer_body::structure::{Atom, Model, ResidueKey, SelectionSettings, Structure};

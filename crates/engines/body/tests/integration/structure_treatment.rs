@@ -1,8 +1,7 @@
 //! How residues are treated that are not one of the twenty in the middle of a chain: disulfide
 //! bonds, ends of chains, modified residues, ligands, traces.
 
-use crate::small;
-
+use crate::small::{atom, line, residue, select, select_with};
 use protomer_body::chemistry::{
     AminoAcid, ChargeModel, SiteSettings, build_sites, mutate, parse_mutations,
 };
@@ -10,7 +9,6 @@ use protomer_body::structure::{
     DisulfideEvidence, MissingAtoms, ResidueClass, Selection, SelectionSettings, Structure,
 };
 use protomer_body::{BodySettings, Source, SurfaceSettings, build_body};
-use small::{atom, line, residue, select, select_with};
 
 fn charge_e(selection: &Selection, ph: f64) -> f64 {
     let charges = ChargeModel::Formal;

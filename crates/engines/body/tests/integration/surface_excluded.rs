@@ -1,11 +1,9 @@
 //! Meshes of small solvent-excluded surfaces against their exact areas and volumes.
 
-use crate::solids;
-
+use crate::solids::random::cluster;
+use crate::solids::ses::SlowExcluded;
+use crate::solids::{Balls, worst};
 use protomer_body::surface::{MeshSettings, Target, mesh_solid};
-use solids::random::cluster;
-use solids::ses::SlowExcluded;
-use solids::{Balls, worst};
 
 /// Name, atoms, exact area and volume at probe 1.4 Å, components, genus.
 type Case = (

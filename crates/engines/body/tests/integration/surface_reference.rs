@@ -1,15 +1,14 @@
 //! Meshes of real proteins against their exact areas and volumes. The reference set is not part of
 //! the repository.
 
-use crate::solids;
 use crate::test_data;
 
+use crate::solids::random::{Dice, cluster};
+use crate::solids::worst;
 use protomer_body::surface::{
     MeshSettings, Surface, solvent_excluded_surface, surface_without_cavities,
 };
 use protomer_kernel::Vec3;
-use solids::random::{Dice, cluster};
-use solids::worst;
 use std::time::Instant;
 
 fn read(name: &str) -> (Vec<Vec3>, Vec<f64>) {

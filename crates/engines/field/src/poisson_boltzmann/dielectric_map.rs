@@ -332,10 +332,10 @@ mod tests {
             for spacing in [1.0, 0.4] {
                 let grid = Grid::around(&(low - margin), &(high + margin), spacing, 1).unwrap();
                 let gap = IonGap::new(&grid, &spheres, 2.0, 1.4);
-                let known = (0..grid.len())
+                let certain = (0..grid.len())
                     .filter(|index| gap.distance_from_solid(*index) > spacing)
                     .count();
-                assert!(5 * known > grid.len(), "{known} of {}", grid.len());
+                assert!(5 * certain > grid.len(), "{certain} of {}", grid.len());
                 let fast = DielectricMap::new(&grid, &*solid, [2.0, 80.0], Some(&gap));
                 let slow = DielectricMap::new(&grid, &*solid, [2.0, 80.0], None);
                 assert_eq!(fast.inside, slow.inside);

@@ -300,9 +300,9 @@ mod tests {
         let coarse = coarsen(&operator).unwrap();
         assert_eq!(coarse.shape, COARSE);
         let mean = [0.25, 0.5, 0.25];
-        for_each_coarse(|at, index| {
+        for_each_coarse(|node, index| {
             let mut mass = 0.0;
-            for (place, weight) in around(at, [mean; 3]) {
+            for (place, weight) in around(node, [mean; 3]) {
                 mass += 8.0 * weight * operator.mass[fine_index(place)];
             }
             assert_close(coarse.mass[index], mass);
@@ -310,7 +310,7 @@ mod tests {
                 let mut weights = [mean; 3];
                 weights[axis] = [0.0, 1.0, 0.0];
                 let mut permittivity = 0.0;
-                for (place, weight) in around(at, weights) {
+                for (place, weight) in around(node, weights) {
                     let mut next = place;
                     next[axis] = (place[axis] + 1).min(FINE[axis] - 1);
                     let [first, second] =
@@ -328,14 +328,14 @@ mod tests {
         let fine = random(FINE.iter().product(), &mut CounterRng::new(12, 0, 0));
         let mut coarse = vec![0.0; COARSE.iter().product()];
         restrict(&fine, &mut coarse, [FINE, COARSE]);
-        for_each_coarse(|at, index| {
-            let is_inner = (0..3).all(|axis| at[axis] > 0 && at[axis] + 1 < COARSE[axis]);
+        for_each_coarse(|node, index| {
+            let is_inner = (0..3).all(|axis| node[axis] > 0 && node[axis] + 1 < COARSE[axis]);
             if !is_inner {
                 assert_eq!(coarse[index], 0.0);
                 return;
             }
             let mut sum = 0.0;
-            for (place, weight) in around(at, [[0.5, 1.0, 0.5]; 3]) {
+            for (place, weight) in around(node, [[0.5, 1.0, 0.5]; 3]) {
                 sum += weight * fine[fine_index(place)];
             }
             assert_close(coarse[index], sum);

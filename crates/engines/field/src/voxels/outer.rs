@@ -157,7 +157,7 @@ mod tests {
         for _ in 0..20 {
             let place = ion.centre + rng.unit_vector() * ion.radius_angstrom;
             let (cell, _) = grid.locate(&place).unwrap();
-            let mut known = Vec::new();
+            let mut samples = Vec::new();
             for point in 0..grid.len() {
                 let vertex = grid.point_at(point);
                 let (from_cell, _) = grid.locate(&vertex).unwrap();
@@ -165,10 +165,10 @@ mod tests {
                     (0..3).all(|a| (-1..=2).contains(&(from_cell[a] as i64 - cell[a] as i64)));
                 if is_near && solid.signed_distance(&vertex) > 1e-4 {
                     let offset = (vertex - place) / grid.spacing_angstrom;
-                    known.push((offset, potential.at_outer_point(point)));
+                    samples.push((offset, potential.at_outer_point(point)));
                 }
             }
-            let expected = sums(&known).at_origin().unwrap();
+            let expected = sums(&samples).at_origin().unwrap();
             let found = at_surface(&potential, &[place])[0];
             assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
         }
@@ -186,8 +186,8 @@ mod tests {
                 .map(|x| x - 2.0 * normal * x.dot(&normal).min(0.0))
                 .collect();
             let fit = |value: &dyn Fn(&Vec3) -> f64| {
-                let known: Vec<(Vec3, f64)> = points.iter().map(|x| (*x, value(x))).collect();
-                sums(&known).at_origin().unwrap()
+                let samples: Vec<(Vec3, f64)> = points.iter().map(|x| (*x, value(x))).collect();
+                sums(&samples).at_origin().unwrap()
             };
             assert!((fit(&|x| 5.0 + slope.dot(x)) - 5.0).abs() < 0.05 * slope.norm());
             assert!((fit(&|_| -7.0) + 7.0).abs() < 1e-12);

@@ -250,9 +250,9 @@ fn shells_have_no_holes_and_are_as_thick_as_a_voxel() {
                 .collect::<Vec<u32>>()
         );
         let has = |list: &[u32], index: u32| list.binary_search(&index).is_ok();
-        for (at, step) in [(0, 1), (1, size as u32), (2, (size * size) as u32)] {
+        for (axis, step) in [(0, 1), (1, size as u32), (2, (size * size) as u32)] {
             for index in 0..size.pow(3) as u32 - step {
-                let coordinate = index as usize / size.pow(at) % size;
+                let coordinate = index as usize / size.pow(axis) % size;
                 let next = index + step;
                 if coordinate + 1 < size && has(&found.inside, index) != has(&found.inside, next) {
                     assert!(

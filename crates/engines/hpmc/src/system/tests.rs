@@ -60,11 +60,11 @@ fn overlaps_are_those_of_all_images<const D: usize>(name: &str) {
         let mut rng = CounterRng::new(1, D as u32, number);
         let mut system = random_system::<D>(name, &mut rng);
         for body in 0..system.len() {
-            let here = system.where_it_is(body);
-            let expected = overlaps_over_images(&system, &here);
+            let trial = system.where_it_is(body);
+            let expected = overlaps_over_images(&system, &trial);
             let mut found = Vec::new();
             for other in 0..system.len() as u32 {
-                let count = system.overlaps_of(&here, |counted| counted == other);
+                let count = system.overlaps_of(&trial, |counted| counted == other);
                 found.extend(std::iter::repeat_n(other, count));
             }
             assert_eq!(found, expected, "{:?}", system.space);
@@ -111,16 +111,16 @@ fn bodies_move_with_a_box_that_is_deformed() {
         .unwrap();
         let before = system.clone();
         let squeezed = [[0.01, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let by = [[1.2, 0.9, -0.7], [0.0, 1.1, 0.8], [0.0, 0.0, 1.3]];
+        let deformation = [[1.2, 0.9, -0.7], [0.0, 1.1, 0.8], [0.0, 0.0, 1.3]];
         let is_squeezed = system.try_deform(&squeezed) == Deformation::Done;
-        if is_squeezed || system.try_deform(&by) != Deformation::Done {
+        if is_squeezed || system.try_deform(&deformation) != Deformation::Done {
             assert_eq!(system.space, before.space);
             assert_eq!(system.positions, before.positions);
             continue;
         }
         deformed += 1;
         for (place, before) in system.positions.iter().zip(&places) {
-            let moved = by.map(|row| dot(&row, before));
+            let moved = deformation.map(|row| dot(&row, before));
             let off = std::array::from_fn(|axis| place[axis] - moved[axis]);
             let left = system.space.nearest_image(&off);
             assert!(dot(&left, &left) < 1e-18, "{left:?}");

@@ -1,8 +1,6 @@
 //! Boxes that change their shape, against exact results; short runs.
 
-use crate::common;
-
-use common::pressed;
+use crate::common::{logarithm, pressed};
 use protomer_hpmc::Error;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::box_moves::Freedom;
@@ -43,11 +41,6 @@ fn assert_mean(found: &Summary, exact: f64, precision: f64, what: &str) {
         off < 4.0 * found.standard_error,
         "{what}: {exact}, {found:?}"
     );
-}
-
-/// The logarithm of a length at a volume of one.
-fn logarithm<const D: usize>(space: &PeriodicBox<D>, axis: usize) -> f64 {
-    (space.lengths()[axis] / space.volume().powf(1.0 / D as f64)).ln()
 }
 
 /// The volume of an ideal gas has the density V^N exp(-βPV): its mean is (N + 1)/βP, its variance (N + 1)/(βP)²,

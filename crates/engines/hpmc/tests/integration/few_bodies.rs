@@ -4,9 +4,7 @@
 //! `box_moves`, and places at random. The draws in which no bodies overlap are hard bodies at constant pressure. So
 //! a wrong Jacobian, or a wrong choice of what of the box changes, shows in the volumes and in the shapes.
 
-use crate::common;
-
-use common::pressed;
+use crate::common::{logarithm, pressed};
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::box_moves::Freedom;
 use protomer_hpmc::simulation::Simulation;
@@ -23,11 +21,6 @@ const SAMPLES: usize = 10_000;
 const DRAWS: u64 = 10_000;
 /// The largest error of what is compared.
 const PRECISION: f64 = 0.015;
-
-/// The logarithm of a length at a volume of one.
-fn logarithm<const D: usize>(space: &PeriodicBox<D>, axis: usize) -> f64 {
-    (space.lengths()[axis] / space.volume().powf(1.0 / D as f64)).ln()
-}
 
 /// What is compared, each of the order of one: the density, the first length and its square, and how far the second
 /// edge overhangs the first.

@@ -1,57 +1,14 @@
 //! Constant pressure and gravity against exact results; short runs.
 
-use crate::common;
-
-use common::pressed;
+use crate::common::{assert_mean, mean_length, pressed, samples, samples_among};
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::box_moves::Freedom;
 use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::field::Gravity;
 use protomer_hpmc::reservoir::Depletant;
-use protomer_hpmc::simulation::{Sample, Settings, Simulation};
+use protomer_hpmc::simulation::{Sample, Settings};
 use protomer_hpmc::start::Start;
 use protomer_kernel::shape::builders::by_name;
-use protomer_kernel::statistics::summarize;
-
-fn samples<const D: usize>(
-    settings: &Settings,
-    body: &HardBody<D>,
-    start: &Start<D>,
-    count: usize,
-) -> (Vec<Sample>, Simulation<D>) {
-    samples_among(&[], settings, body, start, count)
-}
-
-fn samples_among<const D: usize>(
-    depletants: &[Depletant],
-    settings: &Settings,
-    body: &HardBody<D>,
-    start: &Start<D>,
-    count: usize,
-) -> (Vec<Sample>, Simulation<D>) {
-    let mut simulation = Simulation::new(settings, body, depletants, start).unwrap();
-    simulation.run(settings.equilibration_sweeps).unwrap();
-    let mut samples = Vec::new();
-    for _ in 0..count {
-        simulation.run(5).unwrap();
-        samples.push(simulation.sample());
-    }
-    assert_eq!(simulation.system().overlaps(), 0);
-    (samples, simulation)
-}
-
-fn assert_mean(series: &[f64], exact: f64, precision: f64, what: &str) {
-    let found = summarize(series);
-    assert!(
-        found.standard_error < precision * exact,
-        "{what}: {found:?}"
-    );
-    let off = (found.mean - exact).abs();
-    assert!(
-        off < 4.0 * found.standard_error,
-        "{what}: {exact}, {found:?}"
-    );
-}
 
 /// The volume of an ideal gas has the density V^N exp(-βPV), the mean (N + 1)/βP.
 #[test]
@@ -189,17 +146,7 @@ fn walls_bear_the_weight_of_bodies() {
 fn rods_among_depletants_have_their_mean_length() {
     let (rods, pressure, radius, fugacity) = (12.0, 2.0, 0.2, 3.0);
     let weight = |gap: f64| (-pressure * gap - fugacity * gap.min(2.0 * radius)).exp();
-    let [norm, first, second] = [0, 1, 2].map(|power| {
-        let step = 1e-4;
-        let moment = |cell: i32| {
-            let gap = step * (f64::from(cell) + 0.5);
-            gap.powi(power) * weight(gap) * step
-        };
-        (0..200_000).map(moment).sum::<f64>()
-    });
-    let (gap, variance) = (first / norm, second / norm - (first / norm).powi(2));
-    let mean = rods * (1.0 + gap);
-    let exact = mean + rods * variance / mean;
+    let exact = mean_length(rods, weight);
     let rod = HardBody::<1>::ball(0.5).unwrap();
     let crystal = Crystal::new(&UnitCell::by_name("row").unwrap(), &rod, 12, 0.5).unwrap();
     for freedom in [Freedom::Volume, Freedom::Lengths] {

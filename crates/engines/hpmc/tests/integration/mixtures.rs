@@ -1,8 +1,6 @@
 //! Bodies of several kinds against exact results; short runs.
 
-use crate::common;
-
-use common::pressed;
+use crate::common::{assert_mean, pressed};
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::box_moves::Freedom;
 use protomer_hpmc::mixture::Mixture;
@@ -12,16 +10,8 @@ use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::shape::measures::Measures;
-use protomer_kernel::statistics::summarize;
 use protomer_kernel::{Rotation, Vec3};
 use std::f64::consts::PI;
-
-fn assert_mean(series: &[f64], exact: f64, precision: f64, what: &str) {
-    let found = summarize(series);
-    let (off, error) = ((found.mean - exact).abs(), found.standard_error);
-    assert!(error < precision * exact.abs(), "{what}: {found:?}");
-    assert!(off < 4.0 * error, "{what}: {exact}, {found:?}");
-}
 
 fn begin<const D: usize>(settings: &Settings, mixture: &Mixture<D>, packing: f64) -> Simulation<D> {
     let start = Start::fluid(mixture.len(), packing);

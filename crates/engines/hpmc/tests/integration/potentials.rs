@@ -1,17 +1,14 @@
 //! Potentials of pairs and fields against exact results; short runs.
 
-use crate::common;
-
-use common::pressed;
+use crate::common::{assert_mean, mean_length, pressed, samples};
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::box_moves::Freedom;
 use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::field::HeightTable;
 use protomer_hpmc::potential::Term;
-use protomer_hpmc::simulation::{Sample, Settings, Simulation};
+use protomer_hpmc::simulation::{Settings, Simulation};
 use protomer_hpmc::start::Start;
 use protomer_kernel::shape::builders::by_name;
-use protomer_kernel::statistics::summarize;
 use std::f64::consts::PI;
 
 fn settings(terms: &[Term]) -> Settings {
@@ -20,30 +17,6 @@ fn settings(terms: &[Term]) -> Settings {
         potential: terms.to_vec(),
         ..Settings::default()
     }
-}
-
-fn samples<const D: usize>(
-    settings: &Settings,
-    body: &HardBody<D>,
-    start: &Start<D>,
-    count: usize,
-) -> Vec<Sample> {
-    let mut simulation = Simulation::new(settings, body, &[], start).unwrap();
-    simulation.run(settings.equilibration_sweeps).unwrap();
-    let mut samples = Vec::new();
-    for _ in 0..count {
-        simulation.run(5).unwrap();
-        samples.push(simulation.sample());
-    }
-    assert_eq!(simulation.system().overlaps(), 0);
-    samples
-}
-
-fn assert_mean(series: &[f64], exact: f64, precision: f64, what: &str) {
-    let found = summarize(series);
-    let (off, error) = ((found.mean - exact).abs(), found.standard_error);
-    assert!(error < precision * exact.abs(), "{what}: {found:?}");
-    assert!(off < 4.0 * error, "{what}: {exact}, {found:?}");
 }
 
 /// Integral of a function of the distance over a shell around a ball of diameter one, by many small steps.
@@ -63,7 +36,7 @@ fn two_balls(terms: &[Term], mayer: f64, energy: f64) {
     let edge = 4.2_f64;
     let volume = edge.powi(3);
     let start = Start::fluid(2, 2.0 * ball.volume / volume);
-    let samples = samples(&settings(terms), &ball, &start, 60_000);
+    let (samples, _) = samples(&settings(terms), &ball, &start, 60_000);
     let factors: Vec<f64> = samples
         .iter()
         .map(|sample| sample.compressibility_factor)
@@ -160,17 +133,7 @@ fn two_charged_balls_have_their_exact_statistics() {
 fn rods_in_wells_have_their_mean_length() {
     let (rods, pressure, width, depth_kt) = (12.0, 2.0, 0.3, 1.0_f64);
     let weight = |gap: f64| (-pressure * gap + if gap < width { depth_kt } else { 0.0 }).exp();
-    let [norm, first, second] = [0, 1, 2].map(|power| {
-        let step = 1e-4;
-        let moment = |cell: i32| {
-            let gap = step * (f64::from(cell) + 0.5);
-            gap.powi(power) * weight(gap) * step
-        };
-        (0..150_000).map(moment).sum::<f64>()
-    });
-    let (gap, variance) = (first / norm, second / norm - (first / norm).powi(2));
-    let mean = rods * (1.0 + gap);
-    let exact = mean + rods * variance / mean;
+    let exact = mean_length(rods, weight);
     let rod = HardBody::<1>::ball(0.5).unwrap();
     let crystal = Crystal::new(&UnitCell::by_name("row").unwrap(), &rod, 12, 0.5).unwrap();
     let settings = Settings {
@@ -180,7 +143,7 @@ fn rods_in_wells_have_their_mean_length() {
         }],
         ..pressed(pressure, Freedom::Volume)
     };
-    let samples = samples(&settings, &rod, &Start::Crystal(crystal), 20_000);
+    let (samples, _) = samples(&settings, &rod, &Start::Crystal(crystal), 20_000);
     let lengths: Vec<f64> = samples
         .iter()
         .map(|sample| rods / sample.packing_fraction)

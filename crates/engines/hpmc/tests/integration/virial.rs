@@ -242,10 +242,10 @@ fn few_depletants_take_their_number_times_the_mean_of_the_shared_volume() {
             position: rng.vector_in_ball(2.0 * outer),
             rotation: rng.rotation(),
         };
-        let there = Swept::new(&cube, radius, &pose).unwrap();
+        let moving = Swept::new(&cube, radius, &pose).unwrap();
         let counts = still.holds(&point)
-            && there.holds(&point)
-            && closest_points(still.corners(), there.corners()).is_some();
+            && moving.holds(&point)
+            && closest_points(still.corners(), moving.corners()).is_some();
         drawn.push(f64::from(u8::from(counts)));
     }
     let ball = |radius: f64| 4.0 / 3.0 * PI * radius.powi(3);

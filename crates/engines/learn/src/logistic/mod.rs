@@ -354,9 +354,9 @@ mod tests {
         let mut gradient = vec![0.0; 16];
         problem.loss(&point, &mut gradient);
         for place in 0..16 {
-            let shifted = |by: f64| {
+            let shifted = |shift: f64| {
                 let mut point = point.clone();
-                point[place] += by;
+                point[place] += shift;
                 problem.loss(&point, &mut [0.0; 16])
             };
             let difference = (shifted(1e-5) - shifted(-1e-5)) / 2e-5;

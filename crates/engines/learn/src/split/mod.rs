@@ -164,8 +164,8 @@ impl Split {
     /// use protomer_learn::Description;
     /// use protomer_learn::split::Split;
     ///
-    /// let of = |number: usize| Description { cluster: format!("{}", number / 2), ..Description::default() };
-    /// let samples: Vec<_> = (0..40).map(of).collect();
+    /// let member = |number: usize| Description { cluster: format!("{}", number / 2), ..Description::default() };
+    /// let samples: Vec<_> = (0..40).map(member).collect();
     /// let split = Split { training: (0..40).collect(), ..Split::default() };
     /// let (half, quarter) = (split.share_of_training(&samples, 0.5, 1)?, split.share_of_training(&samples, 0.25, 1)?);
     /// assert_eq!((half.len(), quarter.len()), (20, 10));
@@ -239,8 +239,8 @@ impl Split {
 /// use protomer_learn::Description;
 /// use protomer_learn::split::family_weights;
 ///
-/// let of = |family: &str| Description { family: family.into(), ..Description::default() };
-/// assert_eq!(family_weights(&[of("lysozyme"), of(""), of("lysozyme")]), [0.5, 1.0, 0.5]);
+/// let relative = |family: &str| Description { family: family.into(), ..Description::default() };
+/// assert_eq!(family_weights(&[relative("lysozyme"), relative(""), relative("lysozyme")]), [0.5, 1.0, 0.5]);
 /// ```
 pub fn family_weights(descriptions: &[Description]) -> Vec<f64> {
     let mut sizes = BTreeMap::<&str, usize>::new();
@@ -266,12 +266,12 @@ pub fn family_weights(descriptions: &[Description]) -> Vec<f64> {
 /// use protomer_learn::Description;
 /// use protomer_learn::split::labels_in_one_cluster;
 ///
-/// let of = |label: &str, cluster: &str| Description {
+/// let sample = |label: &str, cluster: &str| Description {
 ///     label: label.into(),
 ///     cluster: cluster.into(),
 ///     ..Description::default()
 /// };
-/// let samples = [of("P1", "a"), of("P1", "b"), of("C2", "a"), of("C2", "a")];
+/// let samples = [sample("P1", "a"), sample("P1", "b"), sample("C2", "a"), sample("C2", "a")];
 /// assert_eq!(labels_in_one_cluster(&samples), ["C2"]);
 /// ```
 pub fn labels_in_one_cluster(descriptions: &[Description]) -> Vec<&str> {
@@ -362,7 +362,7 @@ mod tests {
             assert!(names(&samples, parts[first]).is_disjoint(&names(&samples, parts[second])));
         }
         for label in ["a", "b", "c"] {
-            let of = |part: &[usize]| {
+            let count = |part: &[usize]| {
                 part.iter()
                     .filter(|sample| samples[**sample].label == label)
                     .count() as f64
@@ -373,9 +373,9 @@ mod tests {
                 .count() as f64;
             for (part, share) in parts.iter().zip([0.6, 0.15, 0.25]) {
                 assert!(
-                    (of(part) - share * total).abs() < 2.5,
+                    (count(part) - share * total).abs() < 2.5,
                     "{label}: {} of {total}",
-                    of(part)
+                    count(part)
                 );
             }
         }
@@ -393,8 +393,8 @@ mod tests {
     fn ranks_say_as_much_as_names() {
         for count in [9, 60, 200] {
             let samples = set(count);
-            let labels = ranks(samples.iter().map(|known| &known.label));
-            let clusters = ranks(samples.iter().map(|known| known.cluster.clone()));
+            let labels = ranks(samples.iter().map(|sample| &sample.label));
+            let clusters = ranks(samples.iter().map(|sample| sample.cluster.clone()));
             let by_names = Split::grouped(&samples, 5, Fractions::default()).unwrap();
             let by_ranks = Split::by_ranks(&labels, &clusters, 5, Fractions::default());
             assert_eq!(by_ranks.unwrap(), by_names);

@@ -51,7 +51,7 @@ use std::ops::ControlFlow;
 ///
 /// let control = Control::Shapes;
 /// let set = control.samples(Variant::Usual, 60, 16, 1);
-/// let labels: Vec<&str> = set.descriptions().iter().map(|known| &*known.label).collect();
+/// let labels: Vec<&str> = set.descriptions().iter().map(|sample| &*sample.label).collect();
 /// let classes = Classes::from_labels(&labels, Target::Label, 1)?;
 /// let split = Split::grouped(set.descriptions(), 1, Fractions::default())?;
 /// let experiment = &control.experiments()[0];

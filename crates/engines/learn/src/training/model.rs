@@ -23,7 +23,7 @@ use std::ops::ControlFlow;
 ///
 /// let control = Control::Charge;
 /// let set = control.samples(Variant::Usual, 40, 16, 1);
-/// let labels: Vec<&str> = set.descriptions.iter().map(|known| &*known.label).collect();
+/// let labels: Vec<&str> = set.descriptions.iter().map(|sample| &*sample.label).collect();
 /// let classes = Classes::from_labels(&labels, Target::Label, 1)?;
 /// let split = Split::grouped(&set.descriptions, 1, Fractions::default())?;
 /// let network = control.network(&control.experiments()[1], Form::Short);

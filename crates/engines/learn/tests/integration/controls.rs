@@ -16,10 +16,10 @@ const SEED: u64 = 1;
 fn verdict(control: Control, experiment: &Experiment) -> Verdict {
     let plan = control.plan(experiment, Form::Short);
     let set = control.samples(experiment.variant, plan.samples, plan.size, SEED);
-    let known = set.descriptions();
-    let labels: Vec<&str> = known.iter().map(|known| &*known.label).collect();
+    let samples = set.descriptions();
+    let labels: Vec<&str> = samples.iter().map(|sample| &*sample.label).collect();
     let classes = Classes::from_labels(&labels, Target::Label, 1).unwrap();
-    let split = experiment.split(known, SEED, plan.fractions).unwrap();
+    let split = experiment.split(samples, SEED, plan.fractions).unwrap();
     let network = control.network(experiment, Form::Short);
     let settings = control.training(experiment, Form::Short, SEED);
     let trained = train(&set, &classes, &split, &network, &settings, &mut ()).unwrap();
@@ -29,9 +29,9 @@ fn verdict(control: Control, experiment: &Experiment) -> Verdict {
     for sample in &split.test {
         truth.push(classes.labels[*sample]);
         independent.insert(if experiment.split_by_cluster {
-            &known[*sample].cluster
+            &samples[*sample].cluster
         } else {
-            &known[*sample].name
+            &samples[*sample].name
         });
     }
     let count = classes.names.len();

@@ -139,9 +139,9 @@ pub fn coherence(
         for record in records {
             whole.merge(&record.synchronisation[which])?;
         }
-        for (at, matrix) in [whole.index()?, whole.partial(ridge)?].iter().enumerate() {
+        for (number, matrix) in [whole.index()?, whole.partial(ridge)?].iter().enumerate() {
             let magnitudes = matrix.map(|x| (x * x.conj()).re.sqrt().into());
-            result[at] = eigenvalues(&magnitudes)
+            result[number] = eigenvalues(&magnitudes)
                 .first()
                 .copied()
                 .unwrap_or(f64::NAN);
@@ -159,8 +159,8 @@ pub fn coherence(
                     sums[1] += 1.0;
                 }
             }
-            result[2 + 2 * at] = near[0] / near[1];
-            result[3 + 2 * at] = far[0] / far[1];
+            result[2 + 2 * number] = near[0] / near[1];
+            result[3 + 2 * number] = far[0] / far[1];
         }
     }
     Ok(result)
@@ -185,8 +185,8 @@ pub fn coherence_with_errors(network: &Network, records: &[Record]) -> Result<Ve
     let count = records.len() as f64;
     let mut row = Vec::new();
     for (which, values) in value.iter().enumerate() {
-        for (at, value) in values.iter().enumerate() {
-            let numbers: Vec<f64> = without.iter().map(|others| others[which][at]).collect();
+        for (place, value) in values.iter().enumerate() {
+            let numbers: Vec<f64> = without.iter().map(|others| others[which][place]).collect();
             row.extend([*value, common::deviation(&numbers) * (count - 1.0).sqrt()]);
         }
     }
@@ -247,8 +247,8 @@ pub fn strain_row(records: &[Record]) -> Result<Vec<f64>, Failure> {
         .iter()
         .map(|record| poisson_ratio(&record.strains, 10))
         .collect::<Result<Vec<_>, _>>()?;
-    let column = |of: fn(&protomer_linkage::analysis::strain::PoissonRatio) -> f64| {
-        singles.iter().map(of).collect()
+    let column = |quantity: fn(&protomer_linkage::analysis::strain::PoissonRatio) -> f64| {
+        singles.iter().map(quantity).collect()
     };
     let (ratios, r_squared): (Vec<f64>, Vec<f64>) = (column(|x| x.xy), column(|x| x.r_squared));
     let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
@@ -327,8 +327,9 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
                     .iter()
                     .fold(0.0_f64, |most, e| most.max((e - 1.0).abs()))
             };
-            let column =
-                |of: &dyn Fn(&Record) -> f64| mean(&set.iter().map(of).collect::<Vec<f64>>());
+            let column = |quantity: &dyn Fn(&Record) -> f64| {
+                mean(&set.iter().map(quantity).collect::<Vec<f64>>())
+            };
             let [error, error_error] = column(&largest);
             let most = set.iter().map(largest).fold(0.0, f64::max);
             let [last, _] = column(&|r| r.energies.last().map_or(f64::NAN, |e| e - 1.0));

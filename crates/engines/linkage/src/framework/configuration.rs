@@ -11,11 +11,11 @@ use nalgebra::{Matrix3, Vector3};
 /// use protomer_linkage::framework::energy::{Configuration, NetworkEnergy};
 /// let net = face_centred_cubic(3.0, 7.0)?;
 /// let energy = NetworkEnergy::new(&net)?;
-/// let mut at = Configuration::built(&net);
-/// assert_eq!(energy.energy(&at), 0.0);
-/// at.strain(3, &[0.01, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// let mut state = Configuration::built(&net);
+/// assert_eq!(energy.energy(&state), 0.0);
+/// state.strain(3, &[0.01, 0.0, 0.0, 0.0, 0.0, 0.0]);
 /// // ½ C11 ε² V with C11 = 2 ks/a.
-/// assert!((energy.energy(&at) / (0.5 * 14.0 / 3.0 * 1e-4 * 27.0) - 1.0).abs() < 0.02);
+/// assert!((energy.energy(&state) / (0.5 * 14.0 / 3.0 * 1e-4 * 27.0) - 1.0).abs() < 0.02);
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

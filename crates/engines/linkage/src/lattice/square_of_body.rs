@@ -530,10 +530,10 @@ mod tests {
                     .map(|(place, charge)| charge * moment(*place))
                     .sum()
             };
-            let (there, here) = (over(&charges), over(&sites));
+            let (fitted, direct) = (over(&charges), over(&sites));
             assert!(
-                (there - here).abs() < 1e-8 * (1.0 + there.abs()),
-                "{there} {here}"
+                (fitted - direct).abs() < 1e-8 * (1.0 + fitted.abs()),
+                "{fitted} {direct}"
             );
         }
         let largest = sites

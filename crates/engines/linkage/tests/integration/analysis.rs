@@ -1,8 +1,6 @@
 //! Exponents, strains and indices of trajectories whose answers are known.
 
-use crate::common;
-
-use common::{drawn_start, lattice, one_square, two_squares};
+use crate::common::{drawn_start, lattice, one_square, two_squares};
 use protomer_linkage::Result;
 use protomer_linkage::analysis::lyapunov::{LyapunovSettings, SteppedFlow, maximal_exponent};
 use protomer_linkage::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};

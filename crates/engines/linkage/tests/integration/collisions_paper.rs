@@ -1,8 +1,6 @@
 //! The paper's collision protocol: what it does, and what it leaves behind.
 
-use crate::common;
-
-use common::{engine, lattice, random_start};
+use crate::common::{engine, lattice, random_start};
 use protomer_linkage::lattice::paper::ansatz::Ansatz;
 use protomer_linkage::lattice::paper::{PaperEngine, PaperSettings, printed_normal};
 use protomer_linkage::lattice::{Corner, Dynamics};

@@ -60,9 +60,9 @@ fn first_contacts_are_those_of_the_reference() {
             let mut dynamics = Dynamics::new(network.clone(), vec![Box::new(Coherence { kappa })], &state).unwrap();
             let found = first_contact(&mut dynamics, &mut state, step, 2.0 * time, false).unwrap().unwrap();
             assert_eq!(found.listed(), contacts(&contact["contacts"]), "{name}");
-            let there = [found.state.positions.as_slice(), &found.state.velocities].concat();
+            let reached = [found.state.positions.as_slice(), &found.state.velocities].concat();
             let expected = [numbers(&contact["s"]), numbers(&contact["v"])].concat();
-            let state_error = largest_difference(&there, &expected);
+            let state_error = largest_difference(&reached, &expected);
             let after =
                 respond(&network, &found.state.positions, &found.state.velocities, &found.listed(), 1.0).unwrap();
             let after_error = largest_difference(&after.velocities_after, &numbers(&contact["v_after"]));

@@ -331,12 +331,12 @@ fn rests_written_out_change_nothing() {
     .enumerate()
     {
         let energy = NetworkEnergy::new(net).unwrap();
-        let at = shaken(net, 0.1, seed as u64);
-        let moved = at.place(&energy.with_rests(net));
-        let there = NetworkEnergy::new(&moved)
+        let state = shaken(net, 0.1, seed as u64);
+        let moved = state.place(&energy.with_rests(net));
+        let expected = NetworkEnergy::new(&moved)
             .unwrap()
             .energy(&Configuration::built(&moved));
-        assert!((there / energy.energy(&at) - 1.0).abs() < 1e-12 && there > 1e-3);
+        assert!((expected / energy.energy(&state) - 1.0).abs() < 1e-12 && expected > 1e-3);
     }
 }
 
@@ -376,15 +376,16 @@ fn cubic_nets_have_their_textbook_constants() {
 
 fn shaken(framework: &Framework, amount: f64, seed: u64) -> Configuration {
     let mut rng = CounterRng::new(seed, 0, 0);
-    let mut at = Configuration::built(framework);
-    at.nodes_angstrom
+    let mut state = Configuration::built(framework);
+    state
+        .nodes_angstrom
         .iter_mut()
         .for_each(|x| *x += rng.uniform_in(-amount, amount));
     let strains: Vec<f64> = (0..framework.strains())
         .map(|_| rng.uniform_in(-0.05, 0.05))
         .collect();
-    at.strain(framework.dimension(), &strains);
-    at
+    state.strain(framework.dimension(), &strains);
+    state
 }
 
 fn tetrahedral_chain() -> Framework {
@@ -432,9 +433,9 @@ fn gradients_and_hessians_are_those_of_finite_differences() {
     ];
     for (index, net) in nets.iter().enumerate() {
         let energy = NetworkEnergy::new(net).unwrap();
-        let at = shaken(net, 0.05, index as u64);
-        let d = energy.derivatives(&at);
-        assert!((d.energy - energy.energy(&at)).abs() < 1e-12 * d.energy);
+        let state = shaken(net, 0.05, index as u64);
+        let d = energy.derivatives(&state);
+        assert!((d.energy - energy.energy(&state)).abs() < 1e-12 * d.energy);
         let (n, s, h) = (energy.coordinates(), net.strains(), 1e-5);
         let mut hessian = DMatrix::zeros(n + s, n + s);
         for (&(i, j), value) in energy.entries().iter().zip(&d.hessian) {
@@ -451,16 +452,16 @@ fn gradients_and_hessians_are_those_of_finite_differences() {
         }
         // Displacements x come before the strain: r = (1 + ε) (x + δx).
         let moved = |x: Option<(usize, f64)>, e: Option<(usize, f64)>| {
-            let mut at = at.clone();
+            let mut state = state.clone();
             if let Some((index, step)) = x {
-                at.nodes_angstrom[index] += step;
+                state.nodes_angstrom[index] += step;
             }
             if let Some((index, step)) = e {
                 let mut strains = vec![0.0; s];
                 strains[index] = step;
-                at.strain(net.dimension(), &strains);
+                state.strain(net.dimension(), &strains);
             }
-            at
+            state
         };
         let scale = hessian.amax();
         for i in 0..n {

@@ -1,9 +1,7 @@
 //! Long runs, for what must hold at any length. Run by name with `-- --ignored --nocapture`.
 
-use crate::common;
-
-use common::brute_force::{cut_squares, smallest_height};
-use common::{drawn_start, engine, lattice};
+use crate::common::brute_force::{cut_squares, smallest_height};
+use crate::common::{drawn_start, engine, lattice};
 use protomer_linkage::analysis::grima::{CoherentOrbit, smallest_angle};
 use protomer_linkage::analysis::modes::Modes;
 use protomer_linkage::lattice::collision::replay::first_contact;

@@ -1,8 +1,6 @@
 //! Friction, noise and charges against what is known of them.
 
-use crate::common;
-
-use common::{drawn_start, engine, lattice, one_square, two_squares};
+use crate::common::{drawn_start, engine, lattice, one_square, two_squares};
 use nalgebra::{DMatrix, DVector};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::statistics::summarize;
@@ -316,9 +314,9 @@ fn drawn_velocities_have_the_covariance_of_the_constrained_ensemble() {
         network.rods.iter().map(length).collect()
     };
     let jacobian = DMatrix::from_fn(4, 12, |rod, k| {
-        let moved = |by: f64| {
+        let moved = |shift: f64| {
             let mut s = state.positions.clone();
-            s[k] += by;
+            s[k] += shift;
             lengths(&s)[rod]
         };
         (moved(1e-5) - moved(-1e-5)) / 2e-5
@@ -458,9 +456,9 @@ fn charges_push_down_the_slope_of_their_energy() {
         };
         assert!((energy - twin(&positions)).abs() < 1e-12 * energy.abs().max(1.0));
         for k in 0..positions.len() {
-            let moved = |by: f64| {
+            let moved = |shift: f64| {
                 let mut s = positions.clone();
-                s[k] += by;
+                s[k] += shift;
                 twin(&s)
             };
             let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;

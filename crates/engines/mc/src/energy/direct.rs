@@ -281,10 +281,10 @@ mod tests {
         let mut energy = 0.0;
         for cell in 0..19_i32.pow(3) {
             let cell = [cell % 19, cell / 19 % 19, cell / 361].map(|n| f64::from(n - 9) * edge);
-            for (here, charge) in system.body_type(0).charges.iter() {
-                for (there, other) in system.body_type(1).charges.iter() {
-                    let there = second.transform_point(&there) + Vec3::from(cell);
-                    let distance = (there - first.transform_point(&here)).norm();
+            for (site, charge) in system.body_type(0).charges.iter() {
+                for (place, other) in system.body_type(1).charges.iter() {
+                    let place = second.transform_point(&place) + Vec3::from(cell);
+                    let distance = (place - first.transform_point(&site)).norm();
                     energy += charge * other * yukawa.energy_kt(distance);
                 }
             }

@@ -155,13 +155,13 @@ mod tests {
         for (number, shell) in found.iter().enumerate() {
             let (low, high) = (0.03 * number as f64, 0.03 * (number + 1) as f64);
             assert_eq!(shell.vectors.len(), 20);
-            for (at, vector) in shell.vectors.iter().enumerate() {
+            for (place, vector) in shell.vectors.iter().enumerate() {
                 assert!(vector.norm() > low && vector.norm() <= high + 1e-12);
                 let waves = vector * (1000.0 / TAU);
                 assert!((waves - waves.map(f64::round)).norm() < 1e-9);
                 assert!(
-                    !shell.vectors[..at].contains(vector)
-                        && !shell.vectors[..at].contains(&-vector)
+                    !shell.vectors[..place].contains(vector)
+                        && !shell.vectors[..place].contains(&-vector)
                 );
             }
         }

@@ -1,8 +1,6 @@
 //! Averages with direct, calibrated and approximate energies agree, from independent random numbers.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};

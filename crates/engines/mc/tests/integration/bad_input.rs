@@ -1,8 +1,6 @@
 //! Input that makes no sense is refused with a message a user can act on.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, KernelError, Pose, Rotation, Vec3};
 use protomer_mc::{BodyType, Interaction, McError, Settings, Simulation, System};

@@ -1,8 +1,6 @@
 //! Certified intervals hold the direct sum at every pose, for any charges and any salt.
 
-use crate::common;
-
-use common::{bench_folder, bench_system};
+use crate::common::{bench_folder, bench_system};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;

@@ -1,9 +1,7 @@
 //! A run cut anywhere and continued equals the uninterrupted run, bit for bit; replicas do not know
 //! of each other.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Rotation, Vec3};
 use protomer_mc::energy::EnergyModel;

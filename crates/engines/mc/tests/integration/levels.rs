@@ -1,8 +1,6 @@
 //! Energies by levels, calibrated or certified, make the decisions of the direct sum.
 
-use crate::common;
-
-use common::{bench_folder, bench_system, icosphere};
+use crate::common::{bench_folder, bench_system, icosphere};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
@@ -127,9 +125,11 @@ fn images_far_away_are_looked_at_where_they_decide() {
                 .map(|(at, pose)| (system.type_index(at), *pose))
                 .collect();
             let moved = System::new(system.types().to_vec(), &bodies, *system.boundary()).unwrap();
-            let energy_kt = |of: &System| {
+            let energy_kt = |system: &System| {
                 let pairs = Pairs::With(std::slice::from_ref(&body));
-                direct.energy_elsewhere_kt(of, pairs, Effort::Full).unwrap()
+                direct
+                    .energy_elsewhere_kt(system, pairs, Effort::Full)
+                    .unwrap()
             };
             let rise_kt = energy_kt(&moved) - energy_kt(&system);
             let trial = Trial {

@@ -1,9 +1,7 @@
 //! Plain moves, and plain moves with cluster moves, sample the same distribution; caches stay true;
 //! nothing overlaps.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Rotation, Vec3};
 use protomer_mc::energy::{DirectSum, EnergyModel};

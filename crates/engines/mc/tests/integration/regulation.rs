@@ -244,9 +244,9 @@ fn two_bodies_at_a_distance_have_the_charges_of_the_exact_partition_sum() {
         alone_sum += (-first.own_kt(one)).exp();
         for other in 0..second.states() {
             let mut energy_kt = first.own_kt(one) + second.own_kt(other);
-            for (here, charge_e) in first.sites_in(one) {
-                for (there, other_e) in second.sites_in(other) {
-                    let apart = (there + distance * Vec3::x() - here).norm();
+            for (site, charge_e) in first.sites_in(one) {
+                for (partner, other_e) in second.sites_in(other) {
+                    let apart = (partner + distance * Vec3::x() - site).norm();
                     energy_kt += charge_e * other_e * yukawa.energy_kt(apart);
                 }
             }

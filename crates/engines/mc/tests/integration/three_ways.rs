@@ -71,15 +71,15 @@ impl Plain<'_> {
     /// Energies of a body with the others, kT; `None` at overlap.
     fn energies_kt(&self, poses: &[Pose], place: usize, pose: &Pose) -> Option<Vec<f64>> {
         let bodies = &self.part.bodies;
-        let of = |(other, at): (usize, &Pose)| {
+        let described = |(other, other_pose): (usize, &Pose)| {
             if other == place {
                 return Some(0.0);
             }
             let (i, j) = (bodies[place], bodies[other]);
-            let overlap = self.cubes.overlap(i, j, pose, at);
-            (!overlap).then(|| self.cubes.energy_kt(i, j, pose, at))
+            let overlap = self.cubes.overlap(i, j, pose, other_pose);
+            (!overlap).then(|| self.cubes.energy_kt(i, j, pose, other_pose))
         };
-        poses.iter().enumerate().map(of).collect()
+        poses.iter().enumerate().map(described).collect()
     }
 
     /// ln of the ratio of the bound part to a free body, with the volume of the latter.

@@ -1,9 +1,7 @@
 //! Detailed balance on two bodies, whose averages are known by direct integration or in closed
 //! form.
 
-use crate::common;
-
-use common::*;
+use crate::common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Rotation, TriangleMesh, Vec3};
 use protomer_mc::{BodyType, Interaction, Settings, System};

@@ -129,9 +129,9 @@ impl<'a> Placed<'a> {
     /// use protomer_kernel::{Pose, Vec3};
     /// use protomer_md::pair::{Form, Placed};
     /// let cube = Polytope::from_shape(&builders::by_name("cube")?)?;
-    /// let there = Pose { position: Vec3::new(1.15, 0.0, 0.0), ..Pose::identity() };
-    /// let here = Pose::identity();
-    /// let pair = Placed::sharp([&cube, &cube], [&here, &there]);
+    /// let second = Pose { position: Vec3::new(1.15, 0.0, 0.0), ..Pose::identity() };
+    /// let first = Pose::identity();
+    /// let pair = Placed::sharp([&cube, &cube], [&first, &second]);
     /// let energy = pair.forces(Form::Contact)?.energy;
     /// assert!((energy - 1.0).abs() < 1e-9); // at the distance σ_c
     /// assert!((pair.forces(Form::FaceSum)?.energy - 20.0).abs() < 1e-6);

@@ -1,5 +1,6 @@
 //! Energies of pairs and of heights in addition to the contacts: plain sums, exact orbits and averages, what is kept.
 
+use crate::common::polytope;
 use protomer_kernel::height_energy::{HeightCurve, HeightTable};
 use protomer_kernel::pair_energy::{PairPotential, PosedPair, Sum, Term};
 use protomer_kernel::shape::Shape;
@@ -28,10 +29,6 @@ const NVE: Settings = Settings {
     seed: 1,
     is_threaded: false,
 };
-
-fn polytope(name: &str) -> Polytope {
-    Polytope::from_shape(&by_name(name).unwrap()).unwrap()
-}
 
 /// A well with a wall inside of it, as a table whose spline has no swing.
 fn table(wall: f64, depth: f64, range: f64) -> Term {

@@ -7,8 +7,8 @@
 //! torque of the contact point alone may be that of either, or of a mean of them; nothing else is
 //! allowed to differ.
 
+use crate::common::polytope;
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_md::body::Kind;
@@ -267,7 +267,7 @@ fn is_allowed(found: &[Vec3; 3], allowed: &[[Vec3; 3]]) -> bool {
 /// Compares so many poses of each pair; says how many had more than one closest pair.
 fn compare(poses_per_pair: usize) -> usize {
     let kind = |name: &str| {
-        let polytope = Polytope::from_shape(&by_name(name).unwrap()).unwrap();
+        let polytope = polytope(name);
         Kind::from_polytope(&polytope)
             .unwrap()
             .of_unit_volume()

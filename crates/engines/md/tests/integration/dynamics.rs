@@ -1,7 +1,6 @@
 //! Bodies in motion: collisions and tops with known ends, what is conserved, threads, continuing.
 
-use protomer_kernel::shape::builders::by_name;
-use protomer_kernel::shape::polytope::Polytope;
+use crate::common::{kind, numbers, settings};
 use protomer_kernel::{Boundary, Pose, Rotation, Vec3};
 use protomer_md::Error;
 use protomer_md::bath::Ensemble;
@@ -17,27 +16,6 @@ use serde_json::Value;
 /// Collisions integrated by RK4 at a time step of 2e-6, and tops, by a program that shares nothing
 /// with this one.
 const REFERENCE: &str = include_str!("two_bodies.json");
-
-fn kind(name: &str) -> Kind {
-    let kind =
-        Kind::from_polytope(&Polytope::from_shape(&by_name(name).unwrap()).unwrap()).unwrap();
-    kind.of_unit_volume().unwrap()
-}
-
-fn settings(form: Form, time_step: f64) -> Settings {
-    Settings {
-        interaction: form.into(),
-        time_step,
-        ensemble: Ensemble::Nve,
-        seed: 1,
-        is_threaded: false,
-    }
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let numbers = value.as_array().unwrap().iter();
-    numbers.map(|number| number.as_f64().unwrap()).collect()
-}
 
 fn state_of(bodies: &Bodies, numbers: &[f64]) -> State {
     let place = |from: usize| Vec3::new(numbers[from], numbers[from + 1], 0.0);

@@ -1,7 +1,7 @@
 //! Rounded, attractive, oblong and concave bodies and mixtures in motion; constant pressure.
 
+use crate::common::{attractive, polytope, settings};
 use protomer_kernel::shape::Shape;
-use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Boundary, Vec3};
 use protomer_md::Error;
@@ -14,31 +14,6 @@ use protomer_md::pair::radial::Attraction;
 use protomer_md::pair::{Form, Interaction};
 use protomer_md::start::{free_density, on_a_lattice, set_velocities};
 use protomer_md::state::{Bodies, State};
-
-fn polytope(name: &str) -> Polytope {
-    Polytope::from_shape(&by_name(name).unwrap()).unwrap()
-}
-
-fn settings(interaction: Interaction, time_step: f64) -> Settings {
-    Settings {
-        interaction,
-        time_step,
-        ensemble: Ensemble::Nve,
-        seed: 1,
-        is_threaded: false,
-    }
-}
-
-fn attractive(form: Form, central: Central) -> Interaction {
-    Interaction {
-        form,
-        attraction: Attraction {
-            strength: 1.0,
-            cut_off: 2.5,
-        },
-        central,
-    }
-}
 
 /// Bodies compressed from a lattice by a factor of the free density, with a bath.
 fn compressed(bodies: &Bodies, interaction: Interaction, factor: f64, steps: i32) -> Engine {
@@ -139,7 +114,7 @@ fn bodies_of_all_kinds_keep_their_energy() {
         (
             "pentagons that attract each other",
             one(Kind::from_polytope(&polytope("polygon:5")).unwrap(), 36),
-            attractive(Form::Smooth, Central::Conservative),
+            attractive(Form::Smooth, 1.0, Central::Conservative),
             1.1,
         ),
         (
@@ -190,7 +165,7 @@ fn a_union_moves_as_its_parts_say() {
     let mut state = State::at_rest(&bodies, Boundary::Open, places);
     state.velocities[1] = Vec3::new(-2.0, 0.0, 0.0);
     state.spins[0] = Vec3::new(0.3, 1.0, -0.4);
-    let settings = settings(Form::Smooth.into(), 1e-4);
+    let settings = settings(Form::Smooth, 1e-4);
     let mut engine = Engine::new(bodies.clone(), state, settings).unwrap();
     let energy = engine.energy();
     let momentum = engine.motion().state.momentum(&bodies);
@@ -261,7 +236,7 @@ fn the_volume_of_an_ideal_gas_is_gamma_distributed() {
             relaxation_time: 0.1,
             pressure: 0.4,
         },
-        ..settings(Form::Contact.into(), 1e-7)
+        ..settings(Form::Contact, 1e-7)
     };
     let mut engine = Engine::new(bodies, state, npt).unwrap();
     let (mut mean, mut square, mut count) = (0.0, 0.0, 0.0);
@@ -296,7 +271,7 @@ fn constant_pressure_and_constant_volume_agree() {
     let volume = start.motion().state.volume(2);
     let bath = |ensemble: Ensemble| Settings {
         ensemble,
-        ..settings(Form::FaceSum.into(), 1e-3)
+        ..settings(Form::FaceSum, 1e-3)
     };
     let (temperature, relaxation_time) = (1.0, 0.2);
     let nvt = bath(Ensemble::Nvt {
@@ -348,7 +323,7 @@ fn constant_pressure_goes_on_bit_for_bit() {
             relaxation_time: 0.2,
             pressure: 0.5,
         },
-        ..settings(Form::Smooth.into(), 1e-3)
+        ..settings(Form::Smooth, 1e-3)
     };
     let mut through = Engine::continued(bodies.clone(), start.motion().clone(), npt).unwrap();
     for _ in 0..105 {

@@ -8,6 +8,7 @@
 )]
 
 mod added;
+mod common;
 mod degenerate;
 mod dynamics;
 mod ellipsoids;

@@ -1,22 +1,12 @@
 //! Fast forces against the plain ones, on random pairs and along paths.
 
+use crate::common::{FORMS, attractive, kind, polytope};
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::shape::builders::by_name;
-use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_md::body::Kind;
 use protomer_md::near::{Felt, Hint, Law, Turned, felt};
 use protomer_md::pair::central::Central;
-use protomer_md::pair::radial::Attraction;
 use protomer_md::pair::{Form, Interaction, Placed};
-
-const FORMS: [Form; 3] = [Form::Contact, Form::FaceSum, Form::Smooth];
-
-fn kind(name: &str) -> Kind {
-    let kind =
-        Kind::from_polytope(&Polytope::from_shape(&by_name(name).unwrap()).unwrap()).unwrap();
-    kind.of_unit_volume().unwrap()
-}
 
 fn fast(
     kinds: [&Kind; 2],
@@ -118,61 +108,27 @@ fn compare(
 }
 
 #[test]
-fn polygons_feel_what_the_plain_sum_says() {
-    for (number, names) in [
-        ["polygon:3", "polygon:3"],
-        ["polygon:4", "polygon:4"],
-        ["polygon:4", "polygon:7"],
-        ["polygon:6", "polygon:3"],
-    ]
-    .iter()
-    .enumerate()
-    {
+fn bodies_feel_what_the_plain_sum_says() {
+    for (number, names, steps, fewest) in [
+        (0, ["polygon:3", "polygon:3"], 12_000, 1000),
+        (1, ["polygon:4", "polygon:4"], 12_000, 1000),
+        (2, ["polygon:4", "polygon:7"], 12_000, 1000),
+        (3, ["polygon:6", "polygon:3"], 12_000, 1000),
+        (0, ["cube", "cube"], 3000, 60),
+        (1, ["octahedron", "octahedron"], 3000, 60),
+        (2, ["tetrahedron", "octahedron"], 3000, 60),
+        (3, ["prism:5,0.6", "truncated-tetrahedron:0.6667"], 3000, 60),
+    ] {
         let [first, second] = names.map(kind);
         for form in FORMS {
-            let [felt, _] = compare([&first, &second], form, 12_000, number as u64);
-            assert!(felt > 1000, "{names:?} {form:?} {felt}");
+            let [felt, _] = compare([&first, &second], form, steps, number);
+            assert!(felt > fewest, "{names:?} {form:?} {felt}");
         }
-    }
-}
-
-#[test]
-fn polyhedra_feel_what_the_plain_sum_says() {
-    for (number, names) in [
-        ["cube", "cube"],
-        ["octahedron", "octahedron"],
-        ["tetrahedron", "octahedron"],
-        ["prism:5,0.6", "truncated-tetrahedron:0.6667"],
-    ]
-    .iter()
-    .enumerate()
-    {
-        let [first, second] = names.map(kind);
-        for form in FORMS {
-            let [felt, _] = compare([&first, &second], form, 3000, number as u64);
-            assert!(felt > 60, "{names:?} {form:?} {felt}");
-        }
-    }
-}
-
-/// Attraction in addition to the repulsion, and the term between the centroids.
-fn attractive(form: Form) -> Interaction {
-    Interaction {
-        form,
-        attraction: Attraction {
-            strength: 0.7,
-            cut_off: 2.5,
-        },
-        central: Central::Conservative,
     }
 }
 
 fn rounded(name: &str, radius: f64) -> Kind {
-    Kind::rounded(
-        &Polytope::from_shape(&by_name(name).unwrap()).unwrap(),
-        radius,
-    )
-    .unwrap()
+    Kind::rounded(&polytope(name), radius).unwrap()
 }
 
 #[test]
@@ -183,7 +139,7 @@ fn rounded_and_attractive_bodies_feel_what_the_plain_sum_says() {
     ];
     for (number, [first, second]) in pairs.iter().enumerate() {
         for form in FORMS {
-            for interaction in [form.into(), attractive(form)] {
+            for interaction in [form.into(), attractive(form, 0.7, Central::Conservative)] {
                 let [felt, _] = compare([first, second], interaction, 1500, number as u64);
                 assert!(felt > 40, "{number} {interaction:?} {felt}");
             }
@@ -231,12 +187,12 @@ fn overlaps_are_told() {
 fn disks_and_balls_repel_along_the_line_of_their_centres() {
     for dimension in [2, 3] {
         let ball = Kind::ball(dimension, 0.5).unwrap();
-        let there = Pose {
+        let second = Pose {
             position: Vec3::new(0.0, 1.15, 0.0),
             ..Pose::identity()
         };
         for form in FORMS {
-            let poses = [&Pose::identity(), &there];
+            let poses = [&Pose::identity(), &second];
             let found = fast([&ball; 2], poses, form, &mut Hint::default());
             assert!((found.energy - 1.0).abs() < 1e-9, "{form:?} {found:?}");
             assert!((found.force.y + 24.0 / 0.15).abs() < 1e-6);

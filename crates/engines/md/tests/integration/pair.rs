@@ -1,18 +1,12 @@
 //! Energies, forces and torques of two bodies: gradients, symmetry, and what happens where features
 //! change.
 
+use crate::common::{FORMS, polytope as body};
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_md::Error;
 use protomer_md::pair::{Form, PairForces, Placed};
-
-const FORMS: [Form; 3] = [Form::Contact, Form::FaceSum, Form::Smooth];
-
-fn body(name: &str) -> Polytope {
-    Polytope::from_shape(&by_name(name).unwrap()).unwrap()
-}
 
 fn forces(body: &Polytope, poses: [&Pose; 2], form: Form) -> Option<PairForces> {
     Placed::sharp([body, body], poses).forces(form).ok()
@@ -41,14 +35,14 @@ fn moved(pose: &Pose, along: Vec3, turn: Vec3) -> Pose {
 /// the forces; `None` where the bodies overlap or do not feel each other.
 fn error_of_gradient(body: &Polytope, poses: [Pose; 2], form: Form) -> Option<f64> {
     const STEP: f64 = 1e-6;
-    let here = forces(body, [&poses[0], &poses[1]], form)?;
-    if here.energy == 0.0 || here.energy > 1e3 {
+    let centre = forces(body, [&poses[0], &poses[1]], form)?;
+    if centre.energy == 0.0 || centre.energy > 1e3 {
         return None;
     }
     let energy = |first: Pose, second: Pose| Some(forces(body, [&first, &second], form)?.energy);
     let (along, about) = axes(body.dimension);
     let zero = Vec3::zeros();
-    let size = here.force.norm() + 1.0;
+    let size = centre.force.norm() + 1.0;
     let mut worst = 0.0_f64;
     let mut compare = |found: f64, up: f64, down: f64| {
         worst = worst.max((found + (up - down) / (2.0 * STEP)).abs() / size);
@@ -56,14 +50,14 @@ fn error_of_gradient(body: &Polytope, poses: [Pose; 2], form: Form) -> Option<f6
     for axis in along {
         let step = |sign: f64| moved(&poses[0], sign * STEP * axis, zero);
         let [up, down] = [1.0, -1.0].map(|sign| energy(step(sign), poses[1]));
-        compare(here.force.dot(&axis), up?, down?);
+        compare(centre.force.dot(&axis), up?, down?);
     }
     for axis in about {
         let turn = |pose: &Pose, sign: f64| moved(pose, zero, sign * STEP * axis);
         let [up, down] = [1.0, -1.0].map(|sign| energy(turn(&poses[0], sign), poses[1]));
-        compare(here.torques[0].dot(&axis), up?, down?);
+        compare(centre.torques[0].dot(&axis), up?, down?);
         let [up, down] = [1.0, -1.0].map(|sign| energy(poses[0], turn(&poses[1], sign)));
-        compare(here.torques[1].dot(&axis), up?, down?);
+        compare(centre.torques[1].dot(&axis), up?, down?);
     }
     Some(worst)
 }
@@ -190,11 +184,11 @@ fn torques_of_the_smooth_sum_are_continuous_where_edges_become_parallel_from_any
     for _ in 0..40 {
         let place = Vec3::new(1.13, 0.1 * rng.uniform() - 0.05, 0.5 * rng.uniform());
         let torque = |turn: Vec3| {
-            let there = Pose {
+            let second = Pose {
                 position: place,
                 rotation: Rotation::from_scaled_axis(turn),
             };
-            let poses = [&Pose::identity(), &there];
+            let poses = [&Pose::identity(), &second];
             forces(&cube, poses, Form::Smooth).unwrap().torques[0]
         };
         let parallel = torque(Vec3::zeros());
@@ -211,12 +205,12 @@ fn torques_of_the_smooth_sum_are_continuous_where_edges_become_parallel_from_any
 #[test]
 fn squares_count_four_corners_in_both_sums() {
     let square = aligned(2);
-    let there = Pose {
+    let second = Pose {
         position: Vec3::new(1.15, 0.0, 0.0),
         ..Pose::identity()
     };
     for form in [Form::FaceSum, Form::Smooth] {
-        let found = forces(&square, [&Pose::identity(), &there], form).unwrap();
+        let found = forces(&square, [&Pose::identity(), &second], form).unwrap();
         assert!((found.energy - 4.0).abs() < 1e-9, "{form:?}");
     }
 }
@@ -247,16 +241,16 @@ fn momentum_is_kept_to_the_last_bit_and_angular_momentum_to_rounding() {
 #[test]
 fn overlaps_and_mixed_dimensions_are_refused_and_far_bodies_feel_nothing() {
     let (cube, square) = (body("cube"), body("polygon:4"));
-    let (here, far) = (
+    let (near, far) = (
         Pose::identity(),
         moved(&Pose::identity(), 3.0 * Vec3::x(), Vec3::zeros()),
     );
     let pair = Placed::sharp;
-    let overlap = pair([&cube, &cube], [&here, &here]).forces(Form::Smooth);
+    let overlap = pair([&cube, &cube], [&near, &near]).forces(Form::Smooth);
     assert_eq!(overlap, Err(Error::Overlap));
-    let mixed = pair([&cube, &square], [&here, &far]).forces(Form::Contact);
+    let mixed = pair([&cube, &square], [&near, &far]).forces(Form::Contact);
     assert_eq!(mixed, Err(Error::MixedDimensions));
-    let apart = pair([&cube, &cube], [&here, &far])
+    let apart = pair([&cube, &cube], [&near, &far])
         .forces(Form::FaceSum)
         .unwrap();
     assert_eq!((apart.energy, apart.force), (0.0, Vec3::zeros()));

@@ -1,6 +1,7 @@
 //! Pairs of bodies at the reference poses, made by a program that shares nothing with this one: every
 //! energy, force and torque to 1e-10, by the plain sum and by the fast path of the engine.
 
+use crate::common::numbers;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Pose, Rotation, Vec3};
@@ -16,11 +17,6 @@ const REFERENCE: &str = include_str!("poses.json");
 const EXACT: f64 = 1e-10;
 /// The gradients of the rescaled central term in the reference are differences, good to 1e-7.
 const OF_DIFFERENCES: f64 = 1e-6;
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let numbers = value.as_array().unwrap().iter();
-    numbers.map(|number| number.as_f64().unwrap()).collect()
-}
 
 fn vector(value: &Value) -> Vec3 {
     Vec3::from_column_slice(&numbers(value))

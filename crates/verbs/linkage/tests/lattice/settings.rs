@@ -14,6 +14,11 @@ use protomer_linkage_verbs::lattice::start::{begin, charge_warning, network};
 use protomer_protein_verbs::bodies::own_body::{OwnBody, build};
 use protomer_results::{Execution, log};
 
+/// What an error says.
+fn message<T, E: ToString>(refused: Result<T, E>) -> String {
+    refused.err().unwrap().to_string()
+}
+
 #[test]
 fn what_makes_no_sense_is_refused_by_name() {
     let refused = |settings: LatticeSettings| {
@@ -76,13 +81,9 @@ fn what_makes_no_sense_is_refused_by_name() {
         })
         .contains("restitution")
     );
-    let unknown = toml::from_str::<LatticeSettings>("kapa = 3")
-        .unwrap_err()
-        .to_string();
+    let unknown = message(toml::from_str::<LatticeSettings>("kapa = 3"));
     assert!(unknown.contains("kapa"), "{unknown}");
-    let unknown = toml::from_str::<LatticeSettings>("time_step = \"fast\"")
-        .unwrap_err()
-        .to_string();
+    let unknown = message(toml::from_str::<LatticeSettings>("time_step = \"fast\""));
     assert!(unknown.contains("'auto' or a number"), "{unknown}");
 }
 
@@ -163,13 +164,7 @@ fn numbers_outside_their_ranges_are_refused_by_name() {
         time_step: TimeStep::Fixed(1e-9),
         ..small()
     };
-    assert!(
-        endless
-            .check()
-            .unwrap_err()
-            .to_string()
-            .contains("give a larger time_step")
-    );
+    assert!(message(endless.check()).contains("give a larger time_step"));
 }
 
 /// A run with an automatic step keeps its energy under a tabulated potential, says when an angle left
@@ -207,10 +202,10 @@ fn tabulated_potentials_are_part_of_the_settings() {
     let mut in_kt = settings.clone();
     let table = in_kt.angle_potential.as_mut().unwrap();
     table.energy_kt = table.energy.take();
-    let message = format!("{:#}", in_kt.check().unwrap_err());
+    let refusal = format!("{:#}", in_kt.check().unwrap_err());
     assert!(
-        message.contains("angle_potential") && message.contains("--temperature"),
-        "{message}"
+        refusal.contains("angle_potential") && refusal.contains("--temperature"),
+        "{refusal}"
     );
     in_kt.temperature = Some(0.5);
     in_kt.friction = 1.0;
@@ -221,13 +216,7 @@ fn tabulated_potentials_are_part_of_the_settings() {
         stress_xx: 0.1,
         ..periodic()
     };
-    assert!(
-        periodic
-            .check()
-            .unwrap_err()
-            .to_string()
-            .contains("open edges")
-    );
+    assert!(message(periodic.check()).contains("open edges"));
 }
 
 /// Charges so screened that nothing acts are told of, and others not.
@@ -316,7 +305,7 @@ fn files_that_make_no_sense_are_refused_by_key() {
         (1e-3, f64::INFINITY, "--longest is inf"),
         (1e-9, 1e9, "give a larger --dt"),
     ] {
-        let error = replay(&good, step, longest).unwrap_err().to_string();
+        let error = message(replay(&good, step, longest));
         assert!(error.contains(complaint), "{error}");
     }
 }
@@ -366,7 +355,7 @@ fn starts_may_be_disordered() {
         velocities: Velocities::Random,
         ..settings.clone()
     };
-    let error = random.check().unwrap_err().to_string();
+    let error = message(random.check());
     assert!(error.contains("checkerboard start"), "{error}");
 
     let crowded = LatticeSettings {

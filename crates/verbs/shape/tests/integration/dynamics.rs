@@ -30,24 +30,32 @@ fn run(settings: &DynamicsSettings, path: &Path) {
     assert!(end.finished().is_some());
 }
 
+/// Runs at once and in three parts, into `through` and `parts`: the bytes are the same.
+fn assert_continued(settings: &DynamicsSettings, folder: &Path) {
+    let [through, parts] = ["through", "parts"].map(|name| folder.join(name));
+    run(settings, &through);
+    for steps in [0, 37, 150] {
+        let settings = DynamicsSettings {
+            steps,
+            ..settings.clone()
+        };
+        run(&settings, &parts);
+    }
+    for file in ["log.csv", "trajectory.gsd", "checkpoint.bin"] {
+        let [one, other] = [&through, &parts].map(|path| std::fs::read(path.join(file)));
+        assert!(
+            one.unwrap() == other.unwrap(),
+            "{:?}: {file} differs",
+            settings.shape
+        );
+    }
+}
+
 #[test]
 fn a_run_continued_twice_writes_the_bytes_of_one_that_was_not() {
     for shape in ["polygon:5", "octahedron"] {
         let folder = tempfile::tempdir().unwrap();
-        let [through, parts] = ["through", "parts"].map(|name| folder.path().join(name));
-        let settings = short(shape);
-        run(&settings, &through);
-        for steps in [0, 37, 150] {
-            let settings = DynamicsSettings {
-                steps,
-                ..settings.clone()
-            };
-            run(&settings, &parts);
-        }
-        for file in ["log.csv", "trajectory.gsd", "checkpoint.bin"] {
-            let [one, other] = [&through, &parts].map(|path| std::fs::read(path.join(file)));
-            assert!(one.unwrap() == other.unwrap(), "{shape}: {file} differs");
-        }
+        assert_continued(&short(shape), folder.path());
     }
 }
 
@@ -140,22 +148,10 @@ fn with_potentials() -> DynamicsSettings {
 #[test]
 fn potentials_and_fields_are_in_the_settings_and_go_on() {
     let folder = tempfile::tempdir().unwrap();
-    let [through, parts] = ["through", "parts"].map(|name| folder.path().join(name));
-    let settings = with_potentials();
-    run(&settings, &through);
+    let (settings, through) = (with_potentials(), folder.path().join("through"));
+    assert_continued(&settings, folder.path());
     let text = std::fs::read_to_string(through.join("run.toml")).unwrap();
     assert_eq!(toml::from_str::<DynamicsSettings>(&text).unwrap(), settings);
-    for steps in [0, 37, 150] {
-        let settings = DynamicsSettings {
-            steps,
-            ..settings.clone()
-        };
-        run(&settings, &parts);
-    }
-    for file in ["log.csv", "trajectory.gsd", "checkpoint.bin"] {
-        let [one, other] = [&through, &parts].map(|path| std::fs::read(path.join(file)));
-        assert!(one.unwrap() == other.unwrap(), "{file} differs");
-    }
     let plain = folder.path().join("plain");
     let bare = DynamicsSettings {
         bodies: 125,

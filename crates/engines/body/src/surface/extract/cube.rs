@@ -253,8 +253,8 @@ mod tests {
             let (direction, offset) = ([draw(), draw(), draw()], draw());
             let mut nodes = 0;
             for bit in 0..27 {
-                let here = node(bit).map(|x| f64::from(x) - 1.0);
-                let height: f64 = (0..3).map(|axis| here[axis] * direction[axis]).sum();
+                let corner = node(bit).map(|x| f64::from(x) - 1.0);
+                let height: f64 = (0..3).map(|axis| corner[axis] * direction[axis]).sum();
                 nodes |= u32::from(height < offset) << bit;
             }
             for _ in 0..next() % 4 {
@@ -277,11 +277,11 @@ mod tests {
             let (mut count, mut sum) = (0, [0.0; 3]);
             for axis in 0..3 {
                 for bit in 0..27 {
-                    let here = node(bit);
-                    if here[axis] < 2 && (nodes >> bit ^ nodes >> (bit + STEP[axis])) & 1 == 1 {
+                    let corner = node(bit);
+                    if corner[axis] < 2 && (nodes >> bit ^ nodes >> (bit + STEP[axis])) & 1 == 1 {
                         count += 1;
                         for along in 0..3 {
-                            sum[along] += f64::from(here[along]);
+                            sum[along] += f64::from(corner[along]);
                         }
                         sum[axis] += 0.5;
                     }

@@ -36,13 +36,13 @@ impl ImplicitSolid for Balls {
                 .min_by(|a, b| ((p - a.0).norm() - a.1).total_cmp(&((p - b.0).norm() - b.1)))
                 .unwrap()
         };
-        let (mut here, mut normal) = (*point, Vec3::x());
+        let (mut foot, mut normal) = (*point, Vec3::x());
         for _ in 0..8 {
-            let (c, r) = nearest(&here);
-            normal = (here - c).try_normalize(1e-12).unwrap_or(Vec3::x());
-            here = c + normal * r;
+            let (c, r) = nearest(&foot);
+            normal = (foot - c).try_normalize(1e-12).unwrap_or(Vec3::x());
+            foot = c + normal * r;
         }
-        (here, normal)
+        (foot, normal)
     }
     fn bounds(&self) -> (Vec3, Vec3) {
         let low = self

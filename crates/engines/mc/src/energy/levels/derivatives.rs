@@ -239,7 +239,7 @@ mod tests {
                     field.derivatives::<false>(&spots).unwrap()[7],
                 )
             };
-            let (cell, here) = shifted([0.0; 3]);
+            let (cell, centre) = shifted([0.0; 3]);
             for axis in 0..3 {
                 let mut shift = [0.0; 3];
                 shift[axis] = 1.0;
@@ -251,15 +251,15 @@ mod tests {
                 }
                 compared += 1;
                 let slope = (above.value - below.value) / (2.0 * step);
-                let size = here.gradient.map(f32::abs).iter().sum::<f32>() + 1e-3;
-                assert!((slope - here.gradient[axis]).abs() < 0.01 * size + 1e-3);
+                let size = centre.gradient.map(f32::abs).iter().sum::<f32>() + 1e-3;
+                assert!((slope - centre.gradient[axis]).abs() < 0.01 * size + 1e-3);
                 let curvature = (above.gradient[axis] - below.gradient[axis]) / (2.0 * step);
-                let size = here.second.map(f32::abs).iter().sum::<f32>();
-                assert!((curvature - here.second[axis]).abs() < 0.01 * size + 1e-4);
+                let size = centre.second.map(f32::abs).iter().sum::<f32>();
+                assert!((curvature - centre.second[axis]).abs() < 0.01 * size + 1e-4);
                 let mixed = |a: usize, b: usize| [[0, 3, 4], [3, 1, 5], [4, 5, 2]][a][b];
                 let other = (axis + 1) % 3;
                 let curvature = (above.gradient[other] - below.gradient[other]) / (2.0 * step);
-                assert!((curvature - here.second[mixed(axis, other)]).abs() < 0.01 * size + 1e-4);
+                assert!((curvature - centre.second[mixed(axis, other)]).abs() < 0.01 * size + 1e-4);
             }
         }
         assert!(compared > 600, "{compared}");
