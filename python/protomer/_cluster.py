@@ -141,6 +141,7 @@ def _tune(command: Command, workers: Workers) -> None:
 
 
 _SHARED_OUT = {
+    "free-energy": _sweep,
     "hpmc": _sweep,
     "lattice": _sweep,
     "pair": _conditions,

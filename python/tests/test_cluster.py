@@ -9,7 +9,7 @@ import pytest
 
 import protomer as pm
 from conftest import BPTI
-from protomer import _cluster
+from protomer import _cluster, _protomer
 
 distributed = pytest.importorskip("distributed", reason="dask's distributed is not installed")
 
@@ -83,6 +83,27 @@ def test_a_killed_worker_costs_its_own_conditions_and_the_pair_is_the_local_one(
     assert files(tmp_path / "remote") == files(tmp_path / "local")
     with pytest.raises(pm.ConfigError, match="add --output"):
         pm.pair(*pebbles, **pair, client=client)
+
+
+def test_a_killed_worker_costs_its_own_strengths_and_the_free_energy_is_the_local_one(tmp_path, cluster, client):
+    rods = {"shape": "rod:1", "crystal": "row", "bodies": 8, "packing_fraction": 0.5, "equilibration": 100, "sweeps": 2000}
+    rods |= {"share": "even", "checkpoint_every": 0}
+    local = pm.free_energy(**rods, output=tmp_path / "local")
+    kill = KillOne(cluster)
+    remote = pm.free_energy(**rods, output=tmp_path / "remote", client=client, parts=5, progress=kill)
+    assert kill.seen and remote == local and len(remote.points) == 21
+    assert files(tmp_path / "remote") == files(tmp_path / "local")
+    with pytest.raises(pm.ProtomerError, match="--share even"):
+        pm.free_energy(**{**rods, "share": "errors"}, output=tmp_path / "refused", client=client)
+
+
+def test_every_verb_that_takes_a_client_can_be_shared_out():
+    verbs = [function["verb"] for group in _protomer.verbs() for function in group["functions"] if takes_client(function)]
+    assert {verb[0] for verb in verbs} == set(_cluster._SHARED_OUT) and len(verbs) == 9
+
+
+def takes_client(function):
+    return any(parameter["name"] == "client" for parameter in function["parameters"])
 
 
 def test_a_killed_worker_costs_its_own_task_and_the_set_is_the_local_one(manifest, tmp_path, cluster, client, monkeypatch):
