@@ -19,6 +19,7 @@
 //! ([`CollisionShape::is_within`](protomer_kernel::CollisionShape::is_within)).
 
 use crate::error::require;
+use crate::neighbours::Neighbours;
 use crate::{Result, System};
 use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::random::CounterRng;
@@ -59,13 +60,18 @@ impl Depletants {
         require("reservoir_fraction", fraction, "0 to 10", holds)
     }
 
+    /// Distance of two origins beyond which no depletant touches both bodies, Å.
+    pub(crate) fn range_angstrom(&self, system: &System) -> f64 {
+        system.hard_range_angstrom() + 2.0 * self.radius_angstrom
+    }
+
     /// Checks that no depletant touches two images of a body.
     ///
     /// # Errors
     /// [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall).
     pub fn require_room(&self, system: &System) -> Result<()> {
-        let range = 0.5 * system.hard_range_angstrom() + self.radius_angstrom;
-        Ok(require_minimum_image(system.boundary(), range)?)
+        let reach = 0.5 * self.range_angstrom(system);
+        Ok(require_minimum_image(system.boundary(), reach)?)
     }
 }
 
@@ -104,7 +110,13 @@ impl Depletion {
     }
 
     /// Whether no depletant forbids the move.
-    pub fn allows(&self, system: &System, moved: &Moved<'_>, rng: &mut CounterRng) -> bool {
+    pub fn allows(
+        &self,
+        system: &System,
+        neighbours: &Neighbours,
+        moved: &Moved<'_>,
+        rng: &mut CounterRng,
+    ) -> bool {
         let before: Vec<(usize, Pose)> = moved
             .poses
             .iter()
@@ -118,6 +130,7 @@ impl Depletion {
         let trial = Trial {
             depletion: self,
             system,
+            neighbours,
             inside,
             outside,
             is_lost: moved.is_rigid,
@@ -153,6 +166,7 @@ impl Depletion {
 struct Trial<'a> {
     depletion: &'a Depletion,
     system: &'a System,
+    neighbours: &'a Neighbours,
     /// The bodies where the points are drawn.
     inside: &'a [(usize, Pose)],
     /// The bodies at the other end of the move.
@@ -167,7 +181,7 @@ impl Trial<'_> {
         let (system, depletion) = (self.system, self.depletion);
         let (body, pose) = self.inside[number];
         let outer = depletion.outer_radius(system, body);
-        let others = self.others_near(body, &pose, outer);
+        let others = self.others_near(&pose, outer);
         // Nothing can be lost.
         if self.is_lost && others.is_empty() {
             return true;
@@ -201,7 +215,7 @@ impl Trial<'_> {
     }
 
     /// Bodies that stay and can cover a depletant that this one covers, with their poses.
-    fn others_near(&self, body: usize, pose: &Pose, outer: f64) -> Vec<(usize, Pose)> {
+    fn others_near(&self, pose: &Pose, outer: f64) -> Vec<(usize, Pose)> {
         let (system, depletion) = (self.system, self.depletion);
         let is_near = |other: &usize| {
             let place = &system.pose(*other).position;
@@ -209,12 +223,22 @@ impl Trial<'_> {
             let way = system.boundary().displacement(&pose.position, place);
             way.norm_squared() < reach * reach
         };
-        let stays =
-            |other: &usize| *other != body && !self.inside.iter().any(|(moved, _)| moved == other);
-        (0..system.len())
+        let stays = |other: &usize| !self.moves(*other);
+        let mut bodies = Vec::new();
+        self.neighbours.find_sharing(&pose.position, &mut bodies);
+        bodies
+            .into_iter()
             .filter(|other| stays(other) && is_near(other))
             .map(|other| (other, *system.pose(other)))
             .collect()
+    }
+
+    /// Whether a body is one of those that move, whose numbers ascend.
+    fn moves(&self, body: usize) -> bool {
+        let numbers = self.inside;
+        numbers
+            .binary_search_by_key(&body, |(moved, _)| *moved)
+            .is_ok()
     }
 
     fn forbids(&self, number: usize, others: &[(usize, Pose)], place: &Vec3) -> bool {
@@ -244,6 +268,7 @@ impl Trial<'_> {
 mod tests {
     use super::*;
     use crate::BodyType;
+    use crate::neighbours::Ranges;
     use crate::test_support::{octahedron, tetrahedron};
     use protomer_kernel::{Boundary, Rotation};
     use std::sync::Arc;
@@ -269,6 +294,105 @@ mod tests {
         ];
         let boundary = Boundary::periodic(Vec3::new(32.0, 30.0, 31.0)).unwrap();
         System::new(kinds.to_vec(), &bodies, boundary).unwrap()
+    }
+
+    /// Neighbours of bodies that interact up to this distance of origins.
+    fn neighbours(system: &System, interaction_angstrom: f64) -> Neighbours {
+        let ranges = Ranges {
+            hard_angstrom: system.hard_range_angstrom(),
+            interaction_angstrom,
+            reach_angstrom: interaction_angstrom,
+            depletion_angstrom: DEPLETANTS.range_angstrom(system),
+        };
+        Neighbours::new(system, ranges)
+    }
+
+    /// Many bodies of two kinds anywhere in a space of these edges; they may overlap.
+    fn scattered(boundary: Boundary, edges: &Vec3, rng: &mut CounterRng) -> System {
+        let kinds = [tetrahedron(3.0), octahedron(4.0)]
+            .map(|mesh| Arc::new(BodyType::new("body", &mesh, &[]).unwrap()));
+        let mut body = |number: usize| {
+            let position = edges.map(|edge| edge * rng.uniform_in(-0.5, 0.5));
+            let rotation = rng.rotation();
+            (number % 2, Pose { position, rotation })
+        };
+        let bodies: Vec<_> = (0..300).map(&mut body).collect();
+        System::new(kinds.to_vec(), &bodies, boundary).unwrap()
+    }
+
+    /// Bodies that stay and share places for depletants with one that moves, by a loop over all bodies.
+    fn others_among_all(trial: &Trial<'_>, number: usize) -> Vec<(usize, Pose)> {
+        let (system, depletion) = (trial.system, trial.depletion);
+        let (body, pose) = trial.inside[number];
+        let mut others = Vec::new();
+        for other in 0..system.len() {
+            let way = system
+                .boundary()
+                .displacement(&pose.position, &system.pose(other).position);
+            let reach =
+                depletion.outer_radius(system, body) + depletion.outer_radius(system, other);
+            let stays = trial.inside.iter().all(|(moved, _)| *moved != other);
+            if stays && way.norm_squared() < reach * reach {
+                others.push((other, *system.pose(other)));
+            }
+        }
+        others
+    }
+
+    /// With cells of the interaction and with cells of their own, in large boxes, a small one without cells, a wall and open space, before and
+    /// after bodies have moved.
+    #[test]
+    fn bodies_near_a_move_are_those_of_a_loop_over_all() {
+        let mut rng = CounterRng::new(31, 0, 0);
+        let periodic = |edges: Vec3| (Boundary::periodic(edges).unwrap(), edges);
+        let wall = Boundary::SphereWall {
+            radius_angstrom: 100.0,
+        };
+        let spaces = [
+            periodic(Vec3::new(64.0, 91.0, 120.0)),
+            periodic(Vec3::new(40.0, 52.0, 45.0)),
+            (wall, Vec3::repeat(80.0)),
+            (Boundary::Open, Vec3::repeat(80.0)),
+        ];
+        for ((boundary, edges), interaction_angstrom) in spaces
+            .into_iter()
+            .flat_map(|space| [(space, 0.0), (space, 15.5)])
+        {
+            let mut system = scattered(boundary, &edges, &mut rng);
+            let mut neighbours = neighbours(&system, interaction_angstrom);
+            let depletion = Depletion::new(&DEPLETANTS, &system).unwrap();
+            let mut near = 0;
+            for _ in 0..100 {
+                let mut place = |body: usize| {
+                    let position = edges.map(|edge| edge * rng.uniform_in(-0.5, 0.5));
+                    let rotation = rng.rotation();
+                    (body, system.tidy(Pose { position, rotation }))
+                };
+                let moved = [7, 8, 150, 299].map(&mut place);
+                let before = moved.map(|(body, _)| (body, *system.pose(body)));
+                for (inside, outside) in [(&before, &moved), (&moved, &before)] {
+                    let trial = Trial {
+                        depletion: &depletion,
+                        system: &system,
+                        neighbours: &neighbours,
+                        inside,
+                        outside,
+                        is_lost: true,
+                    };
+                    for (number, (body, pose)) in inside.iter().enumerate() {
+                        let outer = depletion.outer_radius(&system, *body);
+                        let found = trial.others_near(pose, outer);
+                        assert_eq!(found, others_among_all(&trial, number));
+                        near += found.len();
+                    }
+                }
+                for ((body, old), (_, new)) in before.iter().zip(&moved) {
+                    neighbours.moved(*body, &old.position, &new.position);
+                    system.set_pose(*body, *new);
+                }
+            }
+            assert!(near > 1000, "{near}");
+        }
     }
 
     /// Volume of the region that forbids a move, over a grid through the whole box and all bodies.
@@ -352,6 +476,7 @@ mod tests {
             (vec![shifted(0, Vec3::new(-0.7, 0.4, 0.3), 0.0)], false),
         ];
         let depletion = Depletion::new(&DEPLETANTS, &system).unwrap();
+        let neighbours = neighbours(&system, 0.0);
         for (number, (poses, is_rigid)) in moves.iter().enumerate() {
             let moved = Moved {
                 poses,
@@ -363,7 +488,7 @@ mod tests {
             let allowed = (0..trials)
                 .filter(|trial| {
                     let mut rng = CounterRng::new(4, number as u32, *trial);
-                    depletion.allows(&system, &moved, &mut rng)
+                    depletion.allows(&system, &neighbours, &moved, &mut rng)
                 })
                 .count();
             let part = allowed as f64 / trials as f64;
@@ -396,7 +521,11 @@ mod tests {
             poses: &[(0, there)],
             is_rigid: true,
         };
-        let allows = |trial| depletion.allows(&far, &moved, &mut CounterRng::new(1, 0, trial));
+        let neighbours = neighbours(&far, 0.0);
+        let allows = |trial| {
+            let mut rng = CounterRng::new(1, 0, trial);
+            depletion.allows(&far, &neighbours, &moved, &mut rng)
+        };
         assert!((0..200).all(allows));
     }
 

@@ -11,6 +11,8 @@ pub(crate) struct Neighbours {
     cells: CellList,
     /// Smaller cells, where bodies interact farther than they touch.
     touching: Option<CellList>,
+    /// Wider cells, where bodies share places for depletants farther apart than they interact.
+    sharing: Option<CellList>,
     ranges: Ranges,
 }
 
@@ -24,6 +26,8 @@ pub(crate) struct Ranges {
     /// Range of the interaction as the model knows it, no longer than that of the direct sum; zero
     /// without an interaction.
     pub reach_angstrom: f64,
+    /// Distance beyond which no depletant touches two bodies; zero without depletants.
+    pub depletion_angstrom: f64,
 }
 
 impl Neighbours {
@@ -36,10 +40,13 @@ impl Neighbours {
             ..ranges
         };
         let is_longer = ranges.interaction_angstrom > ranges.hard_angstrom;
+        let is_longest = ranges.depletion_angstrom > ranges.interaction_angstrom;
         // A second, finer grid pays only where surfaces touch much nearer than charges reach.
         Self {
             cells: cells(ranges.interaction_angstrom),
             touching: is_longer.then(|| cells(ranges.hard_angstrom)),
+            // Cells of their own: the draws of cluster moves depend on those of the interaction.
+            sharing: is_longest.then(|| cells(ranges.depletion_angstrom)),
             ranges,
         }
     }
@@ -54,6 +61,13 @@ impl Neighbours {
         let cells = self.touching.as_ref().unwrap_or(&self.cells);
         cells.candidates(place, bodies);
         retain_within(system, &[*place], self.ranges.hard_angstrom, bodies);
+    }
+
+    /// Writes the bodies that may share places for depletants with one at this place into `bodies`, ascending; others may be among
+    /// them.
+    pub(crate) fn find_sharing(&self, place: &Vec3, bodies: &mut Vec<usize>) {
+        let cells = self.sharing.as_ref().unwrap_or(&self.cells);
+        cells.candidates(place, bodies);
     }
 
     /// Writes the bodies in reach of either of two places into `bodies`, ascending; others that are
@@ -90,6 +104,9 @@ impl Neighbours {
         if let Some(touching) = &mut self.touching {
             touching.moved(body, from, to);
         }
+        if let Some(sharing) = &mut self.sharing {
+            sharing.moved(body, from, to);
+        }
     }
 }
 
@@ -118,6 +135,7 @@ mod tests {
         hard_angstrom: 6.0,
         interaction_angstrom: 24.0,
         reach_angstrom: 15.0,
+        depletion_angstrom: 0.0,
     };
 
     fn system(boundary: Boundary, edge: f64, rng: &mut CounterRng) -> System {

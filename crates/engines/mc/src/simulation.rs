@@ -107,7 +107,7 @@ impl Simulation {
         replica: u32,
     ) -> Result<Self> {
         settings.check()?;
-        let neighbours = neighbours(&system, energy.as_ref())?;
+        let neighbours = neighbours(&system, energy.as_ref(), &settings)?;
         let depletion = depletion(&system, &settings)?;
         let pairs = overlapping_pairs(&system);
         if !pairs.is_empty() {
@@ -169,7 +169,7 @@ impl Simulation {
         energy.take_protonation(&system, &checkpoint.protonation)?;
         energy.restore(&system, &checkpoint.energies)?;
         Ok(Self {
-            neighbours: neighbours(&system, energy.as_ref())?,
+            neighbours: neighbours(&system, energy.as_ref(), &checkpoint.settings)?,
             // Empty: the memory of gaps saves time and never changes a decision.
             hard: HardBodies::new(system.len()),
             depletion: depletion(&system, &checkpoint.settings)?,
@@ -210,7 +210,7 @@ impl Simulation {
     pub(crate) fn take_poses(&mut self, poses: &[Pose]) -> Result<()> {
         // Everything that depends on poses is built again.
         self.system = self.system.with_poses(poses);
-        self.neighbours = neighbours(&self.system, self.energy.as_ref())?;
+        self.neighbours = neighbours(&self.system, self.energy.as_ref(), &self.settings)?;
         self.hard = HardBodies::new(self.system.len());
         self.energy.reset(&self.system)
     }
@@ -387,7 +387,7 @@ impl Simulation {
             poses: &poses,
             is_rigid: true,
         };
-        if !depletants_allow(self.depletion.as_ref(), &self.system, &moved, rng) {
+        if !self.depletants_allow(&moved, rng) {
             return Ok(false);
         }
         let places = [&self.system.pose(body).position, place];
@@ -432,7 +432,7 @@ impl Simulation {
             poses: &poses,
             is_rigid: true,
         };
-        if !depletants_allow(self.depletion.as_ref(), &self.system, &moved, &mut rng) {
+        if !self.depletants_allow(&moved, &mut rng) {
             self.energy.reject();
             return Ok(());
         }
@@ -525,7 +525,7 @@ impl Simulation {
             poses,
             is_rigid: proposal.is_rigid,
         };
-        if !depletants_allow(self.depletion.as_ref(), &self.system, &moved, rng) {
+        if !self.depletants_allow(&moved, rng) {
             return Ok(false);
         }
         let rise_kt = |effort| -> Result<f64> {
@@ -543,6 +543,13 @@ impl Simulation {
         // The model followed no single move, so it starts again from the new poses.
         self.energy.reset(&self.system)?;
         Ok(true)
+    }
+
+    /// Whether no depletant forbids a move; none are there without depletants.
+    fn depletants_allow(&self, moved: &Moved<'_>, rng: &mut CounterRng) -> bool {
+        let (system, neighbours) = (&self.system, &self.neighbours);
+        let depletion = self.depletion.as_ref();
+        depletion.is_none_or(|depletion| depletion.allows(system, neighbours, moved, rng))
     }
 
     /// Whether a moved body overlaps another; bodies that move as one do not meet each other.
@@ -687,16 +694,6 @@ fn depletion(system: &System, settings: &Settings) -> Result<Option<Depletion>> 
         .transpose()
 }
 
-/// Whether no depletant forbids a move; none are there without depletants.
-fn depletants_allow(
-    depletion: Option<&Depletion>,
-    system: &System,
-    moved: &Moved<'_>,
-    rng: &mut CounterRng,
-) -> bool {
-    depletion.is_none_or(|depletion| depletion.allows(system, moved, rng))
-}
-
 /// Checks that the box is large enough: no body may touch two images of another, and the energy
 /// model has its own say.
 ///
@@ -708,13 +705,19 @@ pub fn require_room(system: &System, energy: &dyn EnergyModel) -> Result<()> {
     energy.require_room(system)
 }
 
-/// Neighbours in a range that holds both surfaces and charges.
-fn neighbours(system: &System, energy: &dyn EnergyModel) -> Result<Neighbours> {
+/// Neighbours in ranges that hold surfaces, charges and depletants.
+fn neighbours(
+    system: &System,
+    energy: &dyn EnergyModel,
+    settings: &Settings,
+) -> Result<Neighbours> {
     require_room(system, energy)?;
+    let depletants = settings.depletants.as_ref();
     let ranges = Ranges {
         hard_angstrom: system.hard_range_angstrom(),
         interaction_angstrom: energy.range_angstrom(system),
         reach_angstrom: energy.reach_angstrom(system),
+        depletion_angstrom: depletants.map_or(0.0, |spheres| spheres.range_angstrom(system)),
     };
     Ok(Neighbours::new(system, ranges))
 }
