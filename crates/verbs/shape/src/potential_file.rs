@@ -7,9 +7,9 @@
 //! depth_kt = 1.0                 2.0,0
 //! ```
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
-use protomer_kernel::height_energy::HeightTable;
+use protomer_kernel::height_energy::{HeightCurve, HeightTable};
 use protomer_kernel::pair_energy::Term;
 use protomer_results::keys::read_toml;
 use serde::Deserialize;
@@ -53,6 +53,43 @@ pub fn read_potential(path: &Path) -> Result<Vec<Term>> {
         energies_kt,
         curve: None,
     }])
+}
+
+/// Reads the energy of pairs of bodies that move in a plane (dimension 2) or in space (3), which need a finite force.
+///
+/// # Errors
+/// As [`read_potential`]; for a term without a finite force, and for sites of another dimension, names the file and the number of
+/// the term.
+///
+/// ```
+/// use protomer_shape_verbs::potential_file::read_smooth_potential;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("well.toml");
+/// std::fs::write(&path, "[[term]]\nkind = \"square-well\"\nrange = 1.5\ndepth_kt = 1.0\n")?;
+/// let message = read_smooth_potential(&path, 3).map_err(|error| format!("{error:#}"));
+/// assert!(message.unwrap_err().contains("well.toml: [[term]] 1: the energy of a square-well jumps"));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn read_smooth_potential(path: &Path, dimension: usize) -> Result<Vec<Term>> {
+    let terms = read_potential(path)?;
+    for (number, term) in (1..).zip(&terms) {
+        let checked = match dimension {
+            2 => term.smooth_potential::<2>().map(drop),
+            _ => term.smooth_potential::<3>().map(drop),
+        };
+        checked.with_context(|| format!("{}: [[term]] {number}", path.display()))?;
+    }
+    Ok(terms)
+}
+
+/// Reads the energy by the height of bodies that move.
+///
+/// # Errors
+/// As [`read_field`]; names the file of a table that has no curve without jumps.
+pub fn read_smooth_field(path: &Path) -> Result<HeightTable> {
+    let table = read_field(path)?;
+    HeightCurve::through(&table).with_context(|| path.display().to_string())?;
+    Ok(table)
 }
 
 /// Reads the energy of each body by its height: a table with the columns `height` and `energy_kt`.

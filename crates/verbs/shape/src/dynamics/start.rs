@@ -53,6 +53,17 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
     }
 }
 
+/// Number of dimensions, 2 or 3, in which the bodies of the settings move.
+///
+/// # Errors
+/// Says what is wrong with the shapes.
+pub fn dimension(settings: &DynamicsSettings) -> Result<usize> {
+    let Some(name) = settings.shape.iter().next() else {
+        bail!("there is no --shape; give one or several");
+    };
+    Ok(kind(name, settings.rounding)?.dimension)
+}
+
 /// Kinds of bodies of the settings, of unit volume unless their size is kept.
 pub(super) fn kinds(settings: &DynamicsSettings) -> Result<Vec<Kind>> {
     let mut kinds = Vec::new();

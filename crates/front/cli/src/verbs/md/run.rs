@@ -9,8 +9,8 @@ use clap::Args;
 use protomer_shape_verbs::dynamics::placed::with_state;
 use protomer_shape_verbs::dynamics::run::run_dynamics;
 use protomer_shape_verbs::dynamics::settings::DynamicsSettings;
-use protomer_shape_verbs::dynamics::start::begin;
-use protomer_shape_verbs::potential_file::{read_field, read_potential};
+use protomer_shape_verbs::dynamics::start::{begin, dimension};
+use protomer_shape_verbs::potential_file::{read_smooth_field, read_smooth_potential};
 use std::path::PathBuf;
 
 /// Follow convex bodies in motion, from a wide lattice through a slow compression. The same command
@@ -49,10 +49,10 @@ impl RunArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let mut settings = self.settings.settings(self.config.as_deref())?;
         if let Some(path) = &self.pair_potential {
-            settings.pair_potential = read_potential(path)?;
+            settings.pair_potential = read_smooth_potential(path, dimension(&settings)?)?;
         }
         if let Some(path) = &self.field {
-            settings.field = Some(read_field(path)?);
+            settings.field = Some(read_smooth_field(path)?);
         }
         let settings = with_state(settings)?;
         let begun = begin(&settings)?;
