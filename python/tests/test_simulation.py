@@ -185,13 +185,14 @@ def test_bodies_in_motion_have_potentials_and_fields_in_memory():
     settings = {"keep_size": True, "temperature": 2.0, "ensemble": "nve", "pair_potential": table}
     pair = {"positions": [[0, 0, 0], [2, 0, 0]], "velocities": [[0, 0, 0.5], [0, 0, 0]], "box": [9, 9, 9]}
     balls = pm.ContactDynamics("ellipsoid:0.5,0.5,0.5", **settings, **pair)
-    assert balls.measure()["potential_energy"] == 1.0
+    assert balls.measure()["potential_energy"] == balls.measure()["pair_potential_energy"] == 1.0
     energy = balls.measure()["energy"]
     balls.run(2000)
     assert balls.measure()["potential_energy"] < 1.0 and abs(balls.measure()["energy"] - energy) < 1e-6
     field = {"heights": [0.0, 4.5, 9.0], "energies_kt": [3.0, 1.0, 3.0]}
     fallen = pm.ContactDynamics("ellipsoid:0.5,0.5,0.5", field=field, **settings, **pair)
     assert fallen.measure()["potential_energy"] == pytest.approx(3.0)
+    assert fallen.measure()["field_energy"] == pytest.approx(2.0) and "field_energy" not in balls.measure()
     for changed in ({"temperature": 1.0}, {"pair_potential": []}):
         with pytest.raises(pm.ProtomerError, match="other bodies"):
             balls.change(**changed)

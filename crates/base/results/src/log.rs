@@ -308,9 +308,44 @@ impl Log {
     /// If the file cannot be written, was changed since the checkpoint, or has columns that no version
     /// up to this one has written; it is then left unchanged.
     pub fn open<R: Row>(path: &Path, mark: &LogMark) -> Result<Self> {
+        Self::open_without::<R>(path, mark, &[])
+    }
+
+    /// Opens a log as [`Log::open`] does; a new one does not get these of the later columns, which say nothing in this run.
+    ///
+    /// ```
+    /// use protomer_results::{Log, LogMark, log, log_row};
+    ///
+    /// log_row! {
+    ///     #[derive(Debug, PartialEq)]
+    ///     struct Place {
+    ///         position: f64,
+    ///         height: Option<f64> = None,
+    ///     }
+    /// }
+    ///
+    /// # let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("log.csv");
+    /// let mut log = Log::open_without::<Place>(&path, &LogMark::default(), &["height"])?;
+    /// let place = Place { position: 0.1, height: None };
+    /// log.append(&place)?;
+    /// log.sync()?;
+    /// assert_eq!(std::fs::read_to_string(&path)?, "position\n0.1\n");
+    /// assert_eq!(log::read::<Place>(&path)?, [place]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Log::open`].
+    pub fn open_without<R: Row>(path: &Path, mark: &LogMark, left_out: &[&str]) -> Result<Self> {
+        let (columns, later) = (R::columns(), R::later_columns());
+        let is_written = |column: &str| !(left_out.contains(&column) && later.contains(&column));
         // The hash goes on from the part that is kept, so that `sync` need not read it again.
         let (hash, places) = match mark.bytes {
-            0 => (Sha256::new(), (0..R::columns().len()).collect()),
+            0 => {
+                let written = (0..columns.len()).filter(|place| is_written(columns[*place]));
+                (Sha256::new(), written.collect())
+            }
             _ => (
                 hash_of_marked(path, mark)?,
                 heading_of_file::<R>(path)?.in_file(),
@@ -326,7 +361,8 @@ impl Log {
         };
         // A new log begins with its columns, an old one has them.
         if mark.bytes == 0 {
-            log.write(&R::columns())?;
+            let heading: Vec<&str> = log.places.iter().map(|place| columns[*place]).collect();
+            log.write(&heading)?;
         }
         Ok(log)
     }

@@ -8,6 +8,7 @@
 use crate::bath::require;
 use crate::body::Kind;
 use crate::near::Felt;
+use crate::neighbours::Pair;
 use crate::state::{Bodies, State};
 use crate::{Error, Result};
 use protomer_kernel::height_energy::{HeightCurve, HeightTable};
@@ -49,14 +50,14 @@ impl Added {
         temperature: f64,
     ) -> Result<Self> {
         require("the temperature", temperature)?;
-        let sum = match (terms, dimension) {
+        let terms = match (terms, dimension) {
             ([], _) => None,
             (terms, 2) => Some(SumOfTerms::Flat(Arc::new(SmoothSum::new(terms)?))),
             (terms, _) => Some(SumOfTerms::Solid(Arc::new(SmoothSum::new(terms)?))),
         };
         let curve = heights.map(HeightCurve::through).transpose()?;
         Ok(Self {
-            pairs: sum.map(|sum| PairEnergy { sum, temperature }),
+            pairs: terms.map(|terms| PairEnergy { terms, temperature }),
             heights: curve.map(|curve| HeightEnergy { curve, temperature }),
         })
     }
@@ -64,6 +65,16 @@ impl Added {
     /// Largest distance of the centres of two bodies with an energy; zero for none.
     pub fn range(&self) -> f64 {
         self.pairs.as_ref().map_or(0.0, PairEnergy::range)
+    }
+
+    /// The energies of a state, whose pairs within the range are these.
+    pub(crate) fn energies(&self, bodies: &Bodies, state: &State, pairs: &[Pair]) -> AddedEnergies {
+        let of_pairs = |energy: &PairEnergy| energy.sum(bodies, state, pairs);
+        let of_heights = |energy: &HeightEnergy| energy.sum(state, bodies.dimension());
+        AddedEnergies {
+            pairs: self.pairs.as_ref().map(of_pairs),
+            heights: self.heights.as_ref().map(of_heights),
+        }
     }
 
     /// Refuses bodies that cannot turn as the energies would turn them, and a box that is too short for the table of heights.
@@ -92,10 +103,19 @@ impl Added {
     }
 }
 
+/// Energies of all bodies in addition to their contacts; none for what they do not have.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AddedEnergies {
+    /// Energy of all pairs.
+    pub pairs: Option<f64>,
+    /// Energy of all heights.
+    pub heights: Option<f64>,
+}
+
 /// Energy of each pair.
 #[derive(Debug, Clone)]
 pub(crate) struct PairEnergy {
-    sum: SumOfTerms,
+    terms: SumOfTerms,
     temperature: f64,
 }
 
@@ -107,14 +127,14 @@ enum SumOfTerms {
 
 impl PairEnergy {
     fn range(&self) -> f64 {
-        match &self.sum {
+        match &self.terms {
             SumOfTerms::Flat(sum) => sum.range(),
             SumOfTerms::Solid(sum) => sum.range(),
         }
     }
 
     fn is_directed(&self) -> bool {
-        match &self.sum {
+        match &self.terms {
             SumOfTerms::Flat(sum) => sum.is_directed(),
             SumOfTerms::Solid(sum) => sum.is_directed(),
         }
@@ -130,11 +150,27 @@ impl PairEnergy {
         }
     }
 
+    /// Energy of all pairs.
+    fn sum(&self, bodies: &Bodies, state: &State, pairs: &[Pair]) -> f64 {
+        let mut turns = Vec::new();
+        self.turns(bodies, state, &mut turns);
+        let mut felt = Felt::nothing();
+        for pair in pairs.iter().filter(|pair| pair.parts == [0, 0]) {
+            let [first, second] = pair.bodies.map(|body| turns.get(body as usize));
+            self.add(
+                &mut felt,
+                &pair.between(state),
+                first.zip(second).map(<[_; 2]>::from),
+            );
+        }
+        felt.energy
+    }
+
     /// Adds the energy, force and torques of two bodies. The turns are those of both, if the energy depends on them.
     pub(crate) fn add(&self, felt: &mut Felt, between: &Vec3, turns: Option<[&Rotation; 2]>) {
         let identity = Rotation::identity();
         let turns = turns.unwrap_or([&identity, &identity]);
-        let (energy_kt, force, torques) = match &self.sum {
+        let (energy_kt, force, torques) = match &self.terms {
             SumOfTerms::Flat(sum) => {
                 let pair = PosedPair::new([between.x, between.y], turns);
                 if pair.distance >= sum.range() {
@@ -181,6 +217,17 @@ impl HeightEnergy {
             force[axis] -= self.temperature * slope;
         }
         energy
+    }
+
+    /// Energy of all bodies.
+    fn sum(&self, state: &State, dimension: usize) -> f64 {
+        let axis = dimension - 1;
+        let length = box_length(state, dimension).unwrap_or(f64::INFINITY);
+        let energy_kt = |position: &Vec3| {
+            let [energy_kt, _] = self.curve.evaluate(height(position[axis], length));
+            energy_kt
+        };
+        self.temperature * state.positions.iter().map(energy_kt).sum::<f64>()
     }
 }
 

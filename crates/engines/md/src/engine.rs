@@ -8,10 +8,10 @@
 //! A step is reversible and symplectic. Forces are added in the order of the pairs, whatever thread
 //! computed them, so results do not depend on threads.
 
-use crate::added::{Added, PairEnergy};
+use crate::added::{Added, AddedEnergies, PairEnergy};
 use crate::bath::{self, Ensemble, noise_of, normal_turns, normal_vector, require};
 use crate::near::{Felt, Law, Turned, felt};
-use crate::neighbours::{Neighbours, Pair, shift};
+use crate::neighbours::{Neighbours, Pair};
 use crate::pair::central::Central;
 use crate::pair::{Form, Interaction};
 use crate::rotation;
@@ -288,6 +288,13 @@ impl Engine {
     pub fn energy(&self) -> f64 {
         let kinetic = self.motion.state.kinetic_energies(&self.bodies);
         self.motion.potential_energy + kinetic[0] + kinetic[1]
+    }
+
+    /// The part of the potential energy that is in addition to the contacts.
+    pub fn added_energies(&self) -> AddedEnergies {
+        let motion = &self.motion;
+        self.added
+            .energies(&self.bodies, &motion.state, &motion.neighbours.pairs)
     }
 
     /// The energy without the heat that a bath has given: kept by all ensembles with momenta.
@@ -628,8 +635,7 @@ struct View<'a> {
 impl View<'_> {
     /// The vector from the first body of a pair to the image of the second.
     fn between(&self, pair: &Pair) -> Vec3 {
-        let [first, second] = pair.bodies.map(|body| self.state.positions[body as usize]);
-        second - first + shift(&self.state.space, pair.images)
+        pair.between(self.state)
     }
 
     /// Interaction of two bodies through two of their parts, with torques about their centres of mass. What the bodies as

@@ -28,6 +28,14 @@ pub struct Pair {
     pub hint: Hint,
 }
 
+impl Pair {
+    /// The vector from the first body to the image of the second.
+    pub(crate) fn between(&self, state: &State) -> Vec3 {
+        let [first, second] = self.bodies.map(|body| state.positions[body as usize]);
+        second - first + shift(&state.space, self.images)
+    }
+}
+
 /// List of pairs, in ascending order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

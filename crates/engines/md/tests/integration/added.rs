@@ -99,14 +99,14 @@ fn the_energy_is_a_plain_sum_over_all_pairs_and_heights() {
         let length = lengths_angstrom[dimension - 1];
         let field = valley(length);
         let added = Added::new(&terms, Some(&field), dimension, temperature).unwrap();
-        let plain = |state: &State| -> [f64; 2] {
+        let plain = |state: &State| -> [f64; 3] {
             let curve = HeightCurve::through(&field).unwrap();
             let heights = state.positions.iter().map(|place| {
                 let height = place[dimension - 1] + 0.5 * length;
                 curve.evaluate(height - length * (height / length).floor())[0]
             });
-            let mut energy: f64 = heights.sum();
-            let mut virial = 0.0;
+            let of_heights: f64 = heights.sum();
+            let (mut of_pairs, mut virial) = (0.0, 0.0);
             for first in 0..count {
                 for second in first + 1..count {
                     let between = state.positions[second] - state.positions[first];
@@ -123,15 +123,23 @@ fn the_energy_is_a_plain_sum_over_all_pairs_and_heights() {
                         ),
                         _ => of_pair(&Sum::<3>::new(&smooth).unwrap(), nearest.into(), both),
                     };
-                    energy += u;
+                    of_pairs += u;
                     virial += w;
                 }
             }
-            [temperature * energy, temperature * virial]
+            [of_pairs, of_heights, virial].map(|sum| temperature * sum)
         };
         let mut engine = Engine::with_added(bodies, state, NVE, added).unwrap();
         for _ in 0..3 {
-            let [energy, virial] = plain(&engine.motion().state);
+            let [of_pairs, of_heights, virial] = plain(&engine.motion().state);
+            let energy = of_pairs + of_heights;
+            let parts = engine.added_energies();
+            for (part, plain) in [(parts.pairs, of_pairs), (parts.heights, of_heights)] {
+                assert!(
+                    (part.unwrap() - plain).abs() < 1e-9 * energy.abs(),
+                    "{name}: {part:?} {plain}"
+                );
+            }
             let found = engine.motion();
             assert!(
                 (found.potential_energy - energy).abs() < 1e-9 * energy.abs(),

@@ -210,7 +210,10 @@ impl Live for LiveDynamics {
             &self.engine,
             self.schedule.begun.volume_with_layer,
         );
-        row.named()
+        let left_out = LogRow::left_out(&self.schedule.settings);
+        let mut named = row.named();
+        named.retain(|(name, _)| !left_out.contains(name));
+        named
     }
 
     fn save(&self) -> Result<Vec<u8>> {

@@ -1,5 +1,6 @@
 //! `log.csv`: energies, temperatures and pressure of a run at regular steps.
 
+use super::settings::DynamicsSettings;
 use protomer_md::engine::Engine;
 
 protomer_results::log_row! {
@@ -10,10 +11,10 @@ protomer_results::log_row! {
         pub step: i64,
         /// Time since the preparation; below zero during it.
         pub time: f64,
-        /// Energy of the repulsion.
-        pub potential_energy: f64 => "energy per body" as "repulsion",
-        /// Energy of the repulsion and the motion.
-        pub energy: f64 => "energy per body" as "repulsion and motion",
+        /// Energy of the repulsion and of everything in addition to it.
+        pub potential_energy: f64 => "energy per body" as "potential",
+        /// Potential energy and energy of the motion.
+        pub energy: f64 => "energy per body" as "potential and motion",
         /// The energy without the heat of the bath.
         pub kept_energy: f64 => "conserved energy per body",
         /// kT of all motion.
@@ -26,6 +27,10 @@ protomer_results::log_row! {
         pub pressure: f64 => "pressure",
         /// Part of the space that bodies with their layer fill.
         pub packing_fraction: f64 => "packing fraction",
+        /// Energy of the pair potential, a part of the potential energy; in the log of a run that has one.
+        pub pair_potential_energy: Option<f64> = None => "energy per body" as "pair potential",
+        /// Energy of the field, a part of the potential energy; in the log of a run that has one.
+        pub field_energy: Option<f64> = None => "energy per body" as "field",
     }
 }
 
@@ -39,6 +44,7 @@ impl LogRow {
             translational_temperature,
             rotational_temperature,
         ] = engine.temperatures();
+        let added = engine.added_energies();
         let volume = engine.motion().state.volume(bodies.dimension());
         Self {
             step,
@@ -51,6 +57,20 @@ impl LogRow {
             rotational_temperature,
             pressure: engine.pressure(),
             packing_fraction: count * volume_with_layer / volume,
+            pair_potential_energy: added.pairs.map(|energy| energy / count),
+            field_energy: added.heights.map(|energy| energy / count),
         }
+    }
+
+    /// The columns of energies that a run with these settings does not have.
+    pub fn left_out(settings: &DynamicsSettings) -> Vec<&'static str> {
+        let mut columns = Vec::new();
+        if settings.pair_potential.is_empty() {
+            columns.push("pair_potential_energy");
+        }
+        if settings.field.is_none() {
+            columns.push("field_energy");
+        }
+        columns
     }
 }

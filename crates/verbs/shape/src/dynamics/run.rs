@@ -316,7 +316,8 @@ impl Run for DynamicsRun<'_> {
             None => (LogMark::default(), 0, Averages::default(), None),
         };
         let engine = self.schedule.engine(motion)?;
-        let log = Log::open::<LogRow>(&directory.join(LOG), &mark)?;
+        let left_out = LogRow::left_out(self.settings);
+        let log = Log::open_without::<LogRow>(&directory.join(LOG), &mark, &left_out)?;
         let trajectory = match self.settings.trajectory_every {
             0 => None,
             _ => {

@@ -163,6 +163,21 @@ fn potentials_and_fields_are_in_the_settings_and_go_on() {
         rows.last().unwrap().potential_energy
     };
     assert!((energy(&through) - energy(&plain)).abs() > 0.2);
+    let heading = |path: &Path| {
+        let text = std::fs::read_to_string(path.join("log.csv")).unwrap();
+        text.lines().next().unwrap().to_owned()
+    };
+    let columns = ",pair_potential_energy,field_energy";
+    assert_eq!(heading(&through), heading(&plain) + columns);
+    let rows: Vec<LogRow> = log::read(&through.join("log.csv")).unwrap();
+    for row in rows {
+        let (pairs, field) = (
+            row.pair_potential_energy.unwrap(),
+            row.field_energy.unwrap(),
+        );
+        // What remains is that of the contacts, which repel.
+        assert!(pairs + field <= row.potential_energy + 1e-12, "{row:?}");
+    }
     let words = std::fs::read_to_string(plain.join("run.toml")).unwrap();
     assert!(
         !words.contains("potential]") && !words.contains("field"),

@@ -9,9 +9,20 @@ use std::path::Path;
 #[test]
 fn contact_dynamics_has_its_course_and_bodies_of_every_kind() {
     let place = TemporaryFolder::new();
+    std::fs::write(
+        place.path("pairs.csv"),
+        "distance,energy_kt\n2,2\n3,1\n4,0\n",
+    )
+    .unwrap();
+    std::fs::write(
+        place.path("valley.csv"),
+        "height,energy_kt\n0,1\n5,0\n10,1\n",
+    )
+    .unwrap();
     is_ok(&place.run(
-        "md run --shape ellipsoid:2,1,1 --bodies 32 --packing-fraction 0.1 --steps 40 \
-         --compress-steps 20 --equilibrate-steps 20 --log-every 10 --trajectory-every 20 -q -o ellipsoids",
+        "md run --shape ellipsoid:2,1,1 --keep-size --bodies 32 --packing-fraction 0.1 --steps 40 \
+         --compress-steps 20 --equilibrate-steps 20 --log-every 10 --trajectory-every 20 --pair-potential pairs.csv \
+         --field valley.csv -q -o ellipsoids",
     ));
     let (html, sections) = page(&place, "ellipsoids");
     assert_eq!(sections, ["Status", "Results", "Bodies", "Provenance"]);
