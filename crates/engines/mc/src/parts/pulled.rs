@@ -71,6 +71,8 @@ const MOVES: usize = 4;
 const SMALLEST: f64 = 0.02;
 /// Largest shift and displacement by a turn of the other bodies, which are in their wells, Å.
 const MEMBER_ANGSTROM: f64 = 2.0;
+/// Displacement within which the search for a start in its place begins, of the limit.
+const NEAREST_START: f64 = 0.005;
 /// Tries to find a start within a displacement, and within the wall, where other bodies may leave little room.
 const TRIES: usize = 500;
 const LAST_TRIES: usize = 40_000;
@@ -169,7 +171,7 @@ impl Pulled<'_> {
         let wanted_angstrom = self.windows.displacement_angstrom(window);
         // Wider and wider about the place, until there is room.
         let mut within_angstrom = match starts_bound {
-            true => 0.1 * self.region.limit_angstrom,
+            true => NEAREST_START * self.region.limit_angstrom,
             false => wanted_angstrom,
         };
         let mut least_angstrom = match starts_bound {
@@ -209,6 +211,10 @@ impl Pulled<'_> {
             }
             within_angstrom = (1.5 * within_angstrom).min(wall_angstrom);
             least_angstrom = 0.0;
+        }
+        // A body that fits nowhere else may fit tightly in its place.
+        if !starts_bound {
+            return self.start(window, true, rng);
         }
         Err(McError::BadSystem(format!(
             "the other bodies leave no room for the last one within {wall_angstrom:.1} Å of its place; a wider --limit may have \
