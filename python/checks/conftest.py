@@ -107,7 +107,7 @@ def write_assembly(path, bodies, placements, box=None):
 
 
 def write_row(path, protomer, count, charge, box, bands=8):
-    """An assembly file of balls of 8 Å in a row, by turns with a charge (e) of either sign off their centre."""
+    """An assembly file of balls of 8 Å in a row, with charges (e) of alternating sign off their centres."""
     folder = path.parent
     (folder / "ball.off").write_text(sphere_mesh_off(8.0, bands))
     for name, sign in [("plus", 1), ("minus", -1)]:

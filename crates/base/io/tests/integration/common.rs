@@ -8,7 +8,7 @@ pub fn cases(usual: u32) -> u32 {
         .unwrap_or(usual)
 }
 
-/// What an error says.
+/// Message of an error.
 pub fn message<T, E: ToString>(refused: Result<T, E>) -> String {
     refused.err().unwrap().to_string()
 }

@@ -14,7 +14,7 @@ use protomer_linkage_verbs::lattice::start::{begin, charge_warning, network};
 use protomer_protein_verbs::bodies::own_body::{OwnBody, build};
 use protomer_results::{Execution, log};
 
-/// What an error says.
+/// Message of an error.
 fn message<T, E: ToString>(refused: Result<T, E>) -> String {
     refused.err().unwrap().to_string()
 }
