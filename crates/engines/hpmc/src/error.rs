@@ -68,11 +68,6 @@ pub enum Error {
         /// The packing fraction wanted.
         wanted: f64,
     },
-    /// An ellipsoid where only bodies with corners, and balls, serve.
-    #[error(
-        "an ellipsoid has no corners to hold its orientation by; give a polyhedron, a polygon or a ball"
-    )]
-    Ellipsoid,
     /// Bodies overlap in the places that were given.
     #[error(
         "{overlaps} pairs of bodies overlap in the places given (or reach into a wall); give the shape and the size that \

@@ -480,7 +480,59 @@ impl<const D: usize> Walker<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crystal::UnitCell;
+    use protomer_kernel::periodic_box::PeriodicBox;
+    use protomer_kernel::statistics::summarize;
     use std::f64::consts::PI;
+
+    /// Free energy of bodies that keep their orientations.
+    fn parallel_free_energy(body: &HardBody<3>, edges: [f64; 3]) -> FreeEnergy {
+        let cell = UnitCell {
+            space: PeriodicBox::rectangular(edges).unwrap(),
+            ..UnitCell::by_name("fcc").unwrap()
+        };
+        let crystal = Crystal::new(&cell, body, 32, 0.58).unwrap();
+        let measurement = Measurement {
+            symmetry: Symmetry::find(&HardBody::<3>::ball(0.5).unwrap()).unwrap(),
+            ..Measurement::new(body, &crystal, 5).unwrap()
+        };
+        let plan = measurement.plan().unwrap();
+        let mut extents = Vec::new();
+        for (stream, point) in (0..).zip(&plan.points) {
+            let mut walker = measurement
+                .start(stream, point.strength, plan.turning)
+                .unwrap();
+            for _ in 0..30 {
+                walker.steps.rotation = 0.0;
+                walker.run(TUNE_EVERY, true);
+            }
+            walker.steps.rotation = 0.0;
+            let series: Vec<f64> = (0..100).map(|_| walker.run(10, false)).collect();
+            let summary = summarize(&series);
+            extents.push(Estimate {
+                mean: summary.mean,
+                error: summary.standard_error,
+            });
+        }
+        measurement.free_energy(&plan, &extents)
+    }
+
+    /// Parallel ellipsoids that do not turn are spheres in stretched coordinates, so their free energy is less by the logarithm of
+    /// the stretch.
+    #[test]
+    fn parallel_ellipsoids_have_the_free_energy_of_spheres() {
+        let [stretch, flattening] = [1.6, 0.8];
+        let ball = HardBody::ball(0.5).unwrap();
+        let egg = HardBody::ellipsoid([0.5, 0.5 * flattening, 0.5 * stretch]).unwrap();
+        let spheres = parallel_free_energy(&ball, [1.0; 3]);
+        let ellipsoids = parallel_free_energy(&egg, [1.0, flattening, stretch]);
+        let expected = spheres.total_kt - f64::ln(stretch * flattening);
+        let error = spheres.total_kt_error.hypot(ellipsoids.total_kt_error);
+        let off = ellipsoids.total_kt - expected;
+        // The stretch is 0.25.
+        assert!(error < 0.03, "{error}");
+        assert!(off.abs() < 4.0 * error, "{off} {error}");
+    }
 
     /// A chain of harmonic springs, like rods near their sites: ∫ f dλ = Σ_k ln[(λ₁ + ω_k)/ω_k]/(2N).
     /// Its long waves make the integrand wide.

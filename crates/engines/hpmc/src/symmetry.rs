@@ -2,7 +2,8 @@
 //!
 //! With the angle ω of the smallest rotation from an orientation to one that looks like the wanted one,
 //! the potential is u = 4 sin²(ω/2), which is ω² for small angles. All orientations that look alike
-//! have the same energy, so each of them is counted.
+//! have the same energy, so each of them is counted. A body of revolution is held by its axis: ω is the angle between two axes,
+//! whichever way they point.
 
 use crate::body::{HardBody, norm};
 use crate::{Error, Result};
@@ -37,6 +38,8 @@ pub struct Symmetry {
     dimension: usize,
     rotations: Vec<Rotation>,
     is_round: bool,
+    /// Axis about which any rotation leaves the body as it is.
+    axis: Option<Vec3>,
     /// Half the smallest angle of a rotation other than the identity; π if there is none.
     half_angle_rad: f64,
 }
@@ -45,18 +48,20 @@ impl Symmetry {
     /// Symmetry of a body in D dimensions.
     ///
     /// # Errors
-    /// For a rounded segment, which any rotation about its axis leaves as it is, and for ellipsoids.
+    /// For a rounded segment, which any rotation about its axis leaves as it is.
     ///
     /// ```
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
     /// use protomer_kernel::shape::builders::by_name;
     /// let cube = HardBody::<3>::new(&by_name("cube")?, 0.0)?;
     /// assert_eq!(Symmetry::find(&cube)?.rotations().len(), 24);
+    /// let egg = HardBody::<3>::ellipsoid([1.0, 1.0, 1.5])?;
+    /// assert_eq!(Symmetry::find(&egg)?.degrees_of_freedom(), 2);
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn find<const D: usize>(body: &HardBody<D>) -> Result<Self> {
-        if body.half_axes().is_some() {
-            return Err(Error::Ellipsoid);
+        if let Some(half_axes) = body.half_axes() {
+            return Ok(Self::from_half_axes(&half_axes));
         }
         // The hull of a body that is not convex has all rotations of the body, and perhaps more.
         let corners = corners(body);
@@ -78,16 +83,47 @@ impl Symmetry {
             dimension: D,
             rotations,
             is_round: body.is_round(),
+            axis: None,
             half_angle_rad: 0.5 * smallest,
         })
     }
 
-    /// The rotations.
+    /// Symmetry of an ellipsoid, or an ellipse.
+    fn from_half_axes<const D: usize>(half_axes: &[f64; D]) -> Self {
+        let largest = half_axes.iter().copied().fold(0.0, f64::max);
+        let are_equal = |first: usize, second: usize| {
+            (half_axes[first] - half_axes[second]).abs() <= SAME * largest
+        };
+        // The axis across two equal ones.
+        let across = (0..D).find(|axis| are_equal((axis + 1) % D, (axis + 2) % D));
+        let is_round = (1..D).all(|axis| are_equal(0, axis));
+        let axis = across.filter(|_| D == 3 && !is_round);
+        let turned = match (is_round, axis) {
+            (true, _) => Vec::new(),
+            // One half turn stands for all that reverse the axis.
+            (false, Some(axis)) => vec![(axis + 1) % 3],
+            (false, None) if D == 2 => vec![2],
+            (false, None) => vec![0, 1, 2],
+        };
+        let mut rotations = vec![Rotation::identity()];
+        for axis in turned {
+            rotations.push(Rotation::from_scaled_axis(PI * unit(axis)));
+        }
+        Self {
+            dimension: D,
+            rotations,
+            is_round,
+            axis: axis.map(unit),
+            half_angle_rad: 0.5 * PI,
+        }
+    }
+
+    /// The rotations; of a body of revolution one of those that keep its axis and one of those that reverse it.
     pub fn rotations(&self) -> &[Rotation] {
         &self.rotations
     }
 
-    /// Degrees of freedom of an orientation: 0, 1 or 3.
+    /// Degrees of freedom of an orientation: 0, 1, 2 or 3.
     ///
     /// ```
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
@@ -101,6 +137,7 @@ impl Symmetry {
         match (self.is_round, self.dimension) {
             (true, _) => 0,
             (false, 2) => 1,
+            (false, _) if self.axis.is_some() => 2,
             (false, _) => 3,
         }
     }
@@ -136,6 +173,10 @@ impl Symmetry {
             return 0.0;
         }
         let difference = wanted.inverse() * orientation;
+        if let Some(axis) = &self.axis {
+            let cosine = axis.dot(&(difference * axis)).abs();
+            return 2.0 * (1.0 - cosine).max(0.0);
+        }
         let mut cosine: f64 = 0.0;
         for rotation in &self.rotations {
             cosine = cosine.max(difference.coords.dot(&rotation.coords).abs());
@@ -157,9 +198,10 @@ impl Symmetry {
     }
 
     /// The integral of exp(-strength u) over all orientations, 1 for a strength of zero. Exact to
-    /// rounding from [`least_strength_kt`](Self::least_strength_kt) on; without symmetry, for any.
+    /// rounding from [`least_strength_kt`](Self::least_strength_kt) on; without symmetry, and for bodies of revolution, for any.
     ///
-    /// An orientation at the angle ω has the density (1 - cos ω)/π in space, 1/π in a plane.
+    /// An orientation at the angle ω has the density (1 - cos ω)/π in space, 1/π in a plane; an axis at the angle ω to
+    /// another, up to π/2, has sin ω.
     ///
     /// ```
     /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
@@ -174,6 +216,14 @@ impl Symmetry {
     pub fn integral(&self, strength_kt: f64) -> f64 {
         if self.is_round {
             return 1.0;
+        }
+        if self.axis.is_some() {
+            // With 1 - cos ω, which has a uniform density from 0 to 1, the energy is linear.
+            let largest = 2.0 * strength_kt;
+            return match largest > 0.0 {
+                true => -(-largest).exp_m1() / largest,
+                false => 1.0,
+            };
         }
         // exp(-81) and less is left out.
         let end = self
@@ -195,7 +245,7 @@ impl Symmetry {
     /// An orientation about a wanted one with the density exp(-strength u).
     ///
     /// The sines of half the angle along the axes are normal, but for the factor 1/√(1 - s²) of the
-    /// measure, which a rejection makes exact.
+    /// measure, which a rejection makes exact. An axis is tilted by its exponential distribution of 1 - cos ω.
     pub(crate) fn sample(
         &self,
         wanted: &Rotation,
@@ -204,6 +254,9 @@ impl Symmetry {
     ) -> Rotation {
         if self.is_round {
             return *wanted;
+        }
+        if let Some(axis) = &self.axis {
+            return wanted * tilt(axis, strength_kt, rng);
         }
         let width = (8.0 * strength_kt).recip().sqrt();
         let most = self.largest_squared_sine();
@@ -221,6 +274,23 @@ impl Symmetry {
             }
         }
     }
+}
+
+/// A rotation that tilts an axis, with the density exp(-2 strength (1 - cos ω)) up to a right angle.
+fn tilt(axis: &Vec3, strength_kt: f64, rng: &mut CounterRng) -> Rotation {
+    let largest = 2.0 * strength_kt;
+    // The inverse of the distribution of 1 - cos ω, between 0 and 1.
+    let fall = (-(rng.uniform() * -(-largest).exp_m1())).ln_1p() / -largest;
+    let angle = (1.0 - fall).clamp(0.0, 1.0).acos();
+    let azimuth = 2.0 * PI * rng.uniform();
+    let first = axis.yzx();
+    let across = azimuth.cos() * first + azimuth.sin() * axis.cross(&first);
+    Rotation::from_scaled_axis(angle * across)
+}
+
+/// The unit vector along an axis.
+fn unit(axis: usize) -> Vec3 {
+    Vec3::from_fn(|row, _| if row == axis { 1.0 } else { 0.0 })
 }
 
 fn vector<const D: usize>(coordinates: &[f64; D]) -> Vec3 {
@@ -348,6 +418,38 @@ mod tests {
         Symmetry::find(&HardBody::<D>::new(&by_name(name).unwrap(), 0.0).unwrap()).unwrap()
     }
 
+    fn ellipsoid_symmetry(half_axes: [f64; 3]) -> Symmetry {
+        Symmetry::find(&HardBody::ellipsoid(half_axes).unwrap()).unwrap()
+    }
+
+    /// A spheroid looks the same from both ends and however it is turned about its axis; an ellipsoid after half turns only.
+    #[test]
+    fn ellipsoids_that_look_alike_have_one_potential() {
+        let mut rng = CounterRng::for_purpose(4, 0, 0, Purpose::HardBodyStart);
+        let (plate, triaxial) = (
+            ellipsoid_symmetry([2.0, 0.5, 2.0]),
+            ellipsoid_symmetry([1.0, 2.0, 3.0]),
+        );
+        for _ in 0..100 {
+            let (wanted, other) = (rng.rotation(), rng.rotation());
+            let own_turn = Rotation::from_scaled_axis(rng.uniform() * 7.0 * Vec3::y());
+            let reversed = Rotation::from_scaled_axis(PI * Vec3::new(0.6, 0.0, 0.8));
+            assert!(plate.are_alike(&wanted, &(wanted * own_turn * reversed)));
+            let expected = 4.0
+                * (0.5 * (wanted * Vec3::y()).angle(&(other * Vec3::y())))
+                    .sin()
+                    .powi(2);
+            let potential = plate.potential(&wanted, &other);
+            let nearest = expected.min(4.0 - expected);
+            assert!((potential - nearest).abs() < 1e-12, "{potential} {nearest}");
+            for axis in 0..3 {
+                let half_turn = Rotation::from_scaled_axis(PI * unit(axis));
+                assert!(triaxial.are_alike(&wanted, &(wanted * half_turn)));
+            }
+            assert!(!triaxial.are_alike(&wanted, &(wanted * reversed)));
+        }
+    }
+
     #[test]
     fn groups_have_their_orders() {
         for (name, order) in [
@@ -366,6 +468,20 @@ mod tests {
         let scalene = Shape::flat(&[[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]]).unwrap();
         let scalene = HardBody::<2>::new(&scalene, 0.0).unwrap();
         assert_eq!(Symmetry::find(&scalene).unwrap().rotations().len(), 1);
+        for (half_axes, order, freedom) in [
+            ([1.0, 2.0, 3.0], 4, 3),
+            ([2.0, 2.0, 1.0], 2, 2),
+            ([2.0, 1.0, 2.0], 2, 2),
+            ([1.0, 2.0, 2.0], 2, 2),
+            ([1.5; 3], 1, 0),
+        ] {
+            let symmetry = ellipsoid_symmetry(half_axes);
+            assert_eq!(symmetry.rotations().len(), order, "{half_axes:?}");
+            assert_eq!(symmetry.degrees_of_freedom(), freedom, "{half_axes:?}");
+        }
+        let ellipse = Symmetry::find(&HardBody::<2>::ellipsoid([1.0, 2.0]).unwrap()).unwrap();
+        assert_eq!(ellipse.rotations().len(), 2);
+        assert_eq!(ellipse.degrees_of_freedom(), 1);
         let rod = Shape::solid(&[Vec3::zeros(), Vec3::z()]).unwrap();
         let rod = HardBody::<3>::new(&rod, 0.5).unwrap();
         assert_eq!(Symmetry::find(&rod), Err(Error::Axis));
@@ -389,24 +505,52 @@ mod tests {
     fn integrals_are_means_over_random_orientations() {
         let mut rng = CounterRng::for_purpose(3, 0, 0, Purpose::HardBodyStart);
         let wanted = rng.rotation();
-        let prism = symmetry::<3>("prism:3,1");
-        let strength = prism.least_strength_kt();
-        let (samples, mut sum, mut squares) = (2_000_000, 0.0, 0.0);
-        for _ in 0..samples {
-            let energy = strength * prism.potential(&wanted, &rng.rotation());
-            sum += (-energy).exp();
-            squares += (-2.0 * energy).exp();
+        for symmetry in [
+            symmetry::<3>("prism:3,1"),
+            ellipsoid_symmetry([1.0, 2.0, 3.0]),
+            ellipsoid_symmetry([1.0, 1.0, 3.0]),
+        ] {
+            let strength = symmetry.least_strength_kt();
+            let (samples, mut sum, mut squares) = (2_000_000, 0.0, 0.0);
+            for _ in 0..samples {
+                let energy = strength * symmetry.potential(&wanted, &rng.rotation());
+                sum += (-energy).exp();
+                squares += (-2.0 * energy).exp();
+            }
+            let mean = sum / f64::from(samples);
+            let variance = squares / f64::from(samples) - mean * mean;
+            let error = variance.sqrt() / f64::from(samples).sqrt();
+            let exact = symmetry.integral(strength);
+            assert!(error < 0.05 * exact, "{error}");
+            assert!((mean - exact).abs() < 4.0 * error, "{mean} {error} {exact}");
         }
-        let mean = sum / f64::from(samples);
-        let error = (squares / f64::from(samples) - mean * mean).sqrt() / f64::from(samples).sqrt();
-        let exact = prism.integral(strength);
-        assert!(error < 0.05 * exact, "{error}");
-        assert!((mean - exact).abs() < 4.0 * error, "{mean} {error} {exact}");
+    }
+
+    /// The integral over the angle of two axes, by a sum.
+    #[test]
+    fn the_integral_of_an_axis_is_exact_for_any_strength() {
+        let plate = ellipsoid_symmetry([2.0, 2.0, 1.0]);
+        for strength in [0.0_f64, 1e-9, 0.3, 7.0, 400.0] {
+            let steps = 200_000;
+            let width = 0.5 * PI / f64::from(steps);
+            let mut sum = 0.0;
+            for step in 0..steps {
+                let angle = (f64::from(step) + 0.5) * width;
+                sum += width * angle.sin() * (-strength * 4.0 * (0.5 * angle).sin().powi(2)).exp();
+            }
+            let found = plate.integral(strength);
+            assert!((found / sum - 1.0).abs() < 1e-7, "{found} {sum}");
+        }
     }
 
     #[test]
     fn sampled_orientations_have_the_mean_energy_of_the_integral() {
-        for symmetry in [symmetry::<3>("cube"), symmetry::<2>("polygon:5")] {
+        for symmetry in [
+            symmetry::<3>("cube"),
+            symmetry::<2>("polygon:5"),
+            ellipsoid_symmetry([1.0, 2.0, 3.0]),
+            ellipsoid_symmetry([1.0, 3.0, 1.0]),
+        ] {
             let strength = symmetry.least_strength_kt();
             let mut rng = CounterRng::for_purpose(5, 0, 0, Purpose::HardBodyStart);
             let wanted = Rotation::from_scaled_axis(Vec3::z());

@@ -95,6 +95,30 @@ fn a_crystal_has_the_free_energy_of_its_cubic_box_in_a_rhombohedral_one() {
     );
 }
 
+/// Ellipsoids with axes that hardly differ turn freely, and have the free energy of spheres whatever holds their orientations: an axis, or
+/// three of them.
+#[test]
+fn ellipsoids_that_are_nearly_spheres_have_their_free_energy() {
+    let ball = HardBody::<3>::ball(0.5).unwrap();
+    let cell = UnitCell::by_name("fcc").unwrap();
+    let free_energy = |body: &HardBody<3>| {
+        let crystal = Crystal::new(&cell, body, 32, 0.58).unwrap();
+        measure(body, &crystal, 100)
+    };
+    let spheres = free_energy(&ball);
+    for (half_axes, freedom) in [([0.5, 0.5, 0.50001], 2), ([0.49999, 0.5, 0.50001], 3)] {
+        let body = HardBody::<3>::ellipsoid(half_axes).unwrap();
+        let symmetry = Symmetry::find(&body).unwrap();
+        assert_eq!(symmetry.degrees_of_freedom(), freedom);
+        let found = free_energy(&body);
+        let error = found.total_kt_error.hypot(spheres.total_kt_error);
+        // One of two ends counted twice would be 0.69 off.
+        assert!(error < 0.06, "{found:?}");
+        let off = found.total_kt - spheres.total_kt;
+        assert!(off.abs() < 4.0 * error, "{half_axes:?}: {off} {error}");
+    }
+}
+
 /// Rows of cubes slide; on springs of no strength they still belong to their sites.
 #[test]
 fn rows_that_slide_do_not_pass_their_neighbours() {

@@ -53,7 +53,7 @@ pub struct FreeEnergyResult {
     /// Tilt factors of the box, xy, xz and yz; none where its angles are right.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub box_tilt_factors: Vec<f64>,
-    /// Proper rotations that leave the shape as it is.
+    /// Proper rotations that leave the shape as it is; two for an axis of revolution, which they keep or reverse.
     pub symmetry_order: usize,
     /// A/(N kT) for a thermal wavelength of one and an integral of one over all orientations.
     pub free_energy_per_body_kt: f64,
