@@ -1,23 +1,16 @@
 //! The search of tilts and spins from the command line.
 
-use crate::common::{TemporaryFolder, is_ok, message};
+use crate::common::{TemporaryFolder, message};
 use serde_json::Value;
 
 const SEARCH: &str = "candidates a.body b.body --ring 4 --stack 2 --salt 100mM --refine 2";
 
-fn json(place: &TemporaryFolder, command: &str) -> Value {
-    let output = place.run(&format!("{command} --json -q"));
-    is_ok(&output);
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
 #[test]
 fn refined_arrangements_are_assemblies_of_the_stated_energy() {
     let place = TemporaryFolder::new();
-    let found = json(
-        &place,
-        &format!("{SEARCH} --tilt 0..90/3 --spin 0,50 -o found"),
-    );
+    let found = place.answer(&format!(
+        "{SEARCH} --tilt 0..90/3 --spin 0,50 -o found --json -q"
+    ));
     let arrangements = found["arrangements"].as_array().unwrap();
     let energy = |arrangement: &Value| arrangement["energy_kt"].as_f64().unwrap();
     assert!(arrangements.is_sorted_by(|a, b| energy(a) <= energy(b)));
@@ -31,7 +24,7 @@ fn refined_arrangements_are_assemblies_of_the_stated_energy() {
     assert!(!refined.is_empty() && refined.len() == assemblies.len());
     for (arrangement, assembly) in refined.into_iter().zip(assemblies) {
         let assembly = assembly.as_str().unwrap();
-        let state = json(&place, &format!("inspect {assembly} --salt 100mM"));
+        let state = place.answer(&format!("inspect {assembly} --salt 100mM --json -q"));
         assert_eq!(state["overlaps"].as_array().unwrap().len(), 0);
         let direct = state["energy_kT"].as_f64().unwrap();
         assert!((energy(arrangement) - direct).abs() < 1e-6 * (1.0 + direct.abs()));
@@ -50,14 +43,14 @@ fn cages_are_assemblies_of_the_stated_energy() {
     let place = TemporaryFolder::new();
     let command =
         "candidates a.body b.body --group tetrahedral --samples 30 --refine 2 --salt 100mM";
-    let found = json(&place, &format!("{command} -o found"));
+    let found = place.answer(&format!("{command} -o found --json -q"));
     let cage = &found["cages"][0];
     assert_eq!(
         (&cage["is_refined"], &cage["bodies"]),
         (&true.into(), &24.into())
     );
     let assembly = found["assemblies"][0].as_str().unwrap();
-    let state = json(&place, &format!("inspect {assembly} --salt 100mM"));
+    let state = place.answer(&format!("inspect {assembly} --salt 100mM --json -q"));
     assert_eq!(state["overlaps"].as_array().unwrap().len(), 0);
     let [energy, direct] = [&cage["energy_kt"], &state["energy_kT"]].map(|e| e.as_f64().unwrap());
     assert!(
@@ -74,7 +67,7 @@ fn a_search_is_the_same_on_every_number_of_threads() {
     let place = TemporaryFolder::new();
     let search = |threads: usize| {
         let command = "candidates a.body b.body --ring 4 --stack 2 --tilt 0,45 --refine 1";
-        let mut found = json(&place, &format!("{command} -j {threads}"));
+        let mut found = place.answer(&format!("{command} -j {threads} --json -q"));
         found["arrangements_per_cpu_second"] = Value::Null;
         found
     };

@@ -47,21 +47,12 @@ fn patchy() -> TemporaryFolder {
     place
 }
 
-fn answer(place: &TemporaryFolder, command: &str) -> Value {
-    let output = place.run(command);
-    is_ok(&output);
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
 #[test]
 fn a_ring_falls_apart_with_salt_and_says_where() {
     let place = patchy();
-    let found = answer(
-        &place,
-        &format!(
-            "stability ring.json --salt 500mM,700mM,1M --concentration 10mM,1mM -o out {QUICK}"
-        ),
-    );
+    let found = place.answer(&format!(
+        "stability ring.json --salt 500mM,700mM,1M --concentration 10mM,1mM -o out {QUICK}"
+    ));
     assert_eq!(found["way"], "mass action");
     assert_eq!(found["model"], "thesis");
     let yields: Vec<f64> = found["yield"]
@@ -111,10 +102,9 @@ fn a_ring_falls_apart_with_salt_and_says_where() {
     );
     // Concentrations weigh what was sampled, so another one needs no sampling.
     let checkpoint = fs::read(place.path("out/condition/checkpoint.bin")).unwrap();
-    let more = answer(
-        &place,
-        &format!("stability ring.json --salt 500mM,700mM,1M --concentration 100uM -o out {QUICK}"),
-    );
+    let more = place.answer(&format!(
+        "stability ring.json --salt 500mM,700mM,1M --concentration 100uM -o out {QUICK}"
+    ));
     assert!(more["yield"][0].as_f64().unwrap() < yields[0]);
     assert_eq!(
         fs::read(place.path("out/condition/checkpoint.bin")).unwrap(),
@@ -154,14 +144,12 @@ fn half_of_the_bodies_are_bound_where_the_shares_cross(found: &Value) {
 fn a_biased_simulation_has_the_free_energy_of_mass_action() {
     let place = patchy();
     let common = "--salt 500mM --concentration 10mM --model thesis -q --json";
-    let grown = answer(
-        &place,
-        &format!("stability pair.json --live-states 60 --runs 4 {common}"),
-    );
-    let pulled = answer(
-        &place,
-        &format!("stability pair.json --way biased --sweeps 5000 --runs 4 -o pulled {common}"),
-    );
+    let grown = place.answer(&format!(
+        "stability pair.json --live-states 60 --runs 4 {common}"
+    ));
+    let pulled = place.answer(&format!(
+        "stability pair.json --way biased --sweeps 5000 --runs 4 -o pulled {common}"
+    ));
     assert_eq!(pulled["way"], "biased simulation");
     assert_eq!(pulled["equilibrated"], "yes", "{}", pulled["equilibration"]);
     let whole = |found: &Value| found["conditions"][0]["parts"][1].clone();

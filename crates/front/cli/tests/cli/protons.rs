@@ -1,46 +1,22 @@
 //! Protons that bodies take up: on binding, and in simulations in which charges respond.
 
 use crate::common::{TemporaryFolder, is_ok, message};
-use protomer_common::input::InputFile;
-use serde_json::Value;
 
 const STRUCTURE: &str = "data/structures/5pti.cif.gz";
-
-fn json(place: &TemporaryFolder, command: &str) -> Value {
-    let output = place.run(command);
-    is_ok(&output);
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 /// Two chains of one file: what they take up is the difference of the net charges that `titrate` finds.
 #[test]
 fn protons_taken_up_on_binding_are_those_of_titrations() {
     let place = TemporaryFolder::with_data();
-    let file = InputFile::read(&place.path("data/structures/4e43.pdb.gz")).unwrap();
-    let lines = String::from_utf8(file.bytes).unwrap();
-    // The ends of both chains of the protease lie in one sheet.
-    let is_near = |line: &&str| {
-        let number = line
-            .get(22..26)
-            .and_then(|text| text.trim().parse::<i32>().ok());
-        line.starts_with("ATOM") && number.is_some_and(|number| !(9..=90).contains(&number))
-    };
-    let part = |chain: &str| -> String {
-        let atoms = lines.lines().filter(is_near);
-        let atoms = atoms.filter(|line| line.get(21..22) == Some(chain));
-        atoms.map(|line| format!("{line}\n")).collect()
-    };
-    std::fs::write(place.path("a.pdb"), part("A")).unwrap();
-    std::fs::write(place.path("b.pdb"), part("B")).unwrap();
-    std::fs::write(place.path("both.pdb"), part("A") + &part("B")).unwrap();
+    place.write_sheet();
     let flags = "--ph 3,4.5 --salt 50mM,500mM --spacing 0.9 --no-kd --proton-uptake -q --json";
-    let answer = json(&place, &format!("binding a.pdb b.pdb {flags}"));
+    let answer = place.answer(&format!("binding a.pdb b.pdb {flags}"));
     let mut largest: f64 = 0.0;
     for condition in answer["conditions"].as_array().unwrap() {
         let [salt, ph] = ["salt_molar", "ph"].map(|key| condition[key].as_f64().unwrap());
         let net_charge_e = |file: &str| {
             let command = format!("titrate -q {file} --ph {ph} --salt {salt}M --json");
-            json(&place, &command)["net_charge_e"].as_f64().unwrap()
+            place.answer(&command)["net_charge_e"].as_f64().unwrap()
         };
         let expected = net_charge_e("both.pdb") - net_charge_e("a.pdb") - net_charge_e("b.pdb");
         let found = condition["protons_taken_up"].as_f64().unwrap();
@@ -48,7 +24,7 @@ fn protons_taken_up_on_binding_are_those_of_titrations() {
         largest = largest.max(found.abs());
     }
     assert!(largest > 0.02, "{largest}");
-    let without = json(&place, "binding a.pdb b.pdb --salt 0.1M --no-kd -q --json");
+    let without = place.answer("binding a.pdb b.pdb --salt 0.1M --no-kd -q --json");
     assert!(without["conditions"][0].get("protons_taken_up").is_none());
     is_ok(&place.run("ingest -q a.pdb -o bodies"));
     let refused = place.run("binding bodies/a.body b.pdb --salt 0.1M --no-kd --proton-uptake");
@@ -105,10 +81,9 @@ fn charges_respond_and_a_continued_run_equals_the_uninterrupted_one() {
     }
     assert!(rows.iter().any(|row| row[3] - row[2] > 0.5), "{rows:?}");
     let mean = rows.iter().map(|row| row[1]).sum::<f64>() / rows.len() as f64;
-    let titrated = json(
-        &place,
-        &format!("titrate -q {STRUCTURE} --ph 4.5 --salt 100mM --json"),
-    );
+    let titrated = place.answer(&format!(
+        "titrate -q {STRUCTURE} --ph 4.5 --salt 100mM --json"
+    ));
     let expected = titrated["net_charge_e"].as_f64().unwrap();
     // Bodies far apart: the deviation of one body is below 1 e, of sixty below 0.2 e.
     assert!((mean - expected).abs() < 0.6, "{mean} {expected}");

@@ -24,12 +24,6 @@ fn designs() -> TemporaryFolder {
     place
 }
 
-fn answer(place: &TemporaryFolder, command: &str) -> Value {
-    let output = place.run(command);
-    is_ok(&output);
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
 /// Cells of each complex by heading.
 fn table(place: &TemporaryFolder, directory: &str) -> BTreeMap<String, BTreeMap<String, String>> {
     let text = fs::read_to_string(place.path(directory).join("score.csv")).unwrap();
@@ -47,7 +41,7 @@ fn table(place: &TemporaryFolder, directory: &str) -> BTreeMap<String, BTreeMap<
 #[test]
 fn a_folder_becomes_a_table_and_what_fails_is_a_row() {
     let place = designs();
-    let found = answer(&place, &format!("score designs -o out {CHEAP}"));
+    let found = place.answer(&format!("score designs -o out {CHEAP}"));
     assert_eq!((&found["rows"], &found["failed"]), (&4.into(), &2.into()));
     assert!(found["seconds"].as_f64().unwrap() > 0.0);
     let rows = table(&place, "out");
@@ -78,16 +72,18 @@ fn a_folder_becomes_a_table_and_what_fails_is_a_row() {
 #[test]
 fn energies_are_those_of_binding() {
     let place = TemporaryFolder::with_data();
+    place.write_sheet();
     fs::write(
         place.path("one.csv"),
-        "name,file,receptor_chains,ligand_chains,measured\nprotease,data/structures/4e43.pdb.gz,A,B,yes\n",
+        "name,file,receptor_chains,ligand_chains,measured\nprotease,both.pdb,A,B,yes\n",
     )
     .unwrap();
     let columns = "--columns energy,slope --salt 50mM,500mM --spacing 0.9 -q --json";
-    answer(&place, &format!("score one.csv -o out {columns}"));
+    place.answer(&format!("score one.csv -o out {columns}"));
     let row = &table(&place, "out")["protease"];
-    let command = "binding data/structures/4e43.pdb.gz --salt 50mM,500mM --body A --body B --spacing 0.9 --no-kd -q --json";
-    let binding = answer(&place, command);
+    let command =
+        "binding both.pdb --salt 50mM,500mM --body A --body B --spacing 0.9 --no-kd -q --json";
+    let binding = place.answer(command);
     let of_binding = |value: &Value| value.as_f64().unwrap();
     for (index, salt) in ["50mM", "500mM"].iter().enumerate() {
         let condition = &binding["conditions"][index];
@@ -107,7 +103,7 @@ fn work_goes_on_where_it_stopped_and_takes_further_complexes_and_columns() {
     fs::remove_file(place.path("designs/second.pdb.gz")).unwrap();
     let stopped = place.run(&format!("score designs -o out --time-limit 0 {CHEAP}"));
     assert_eq!(stopped.status.code(), Some(3), "{}", message(&stopped));
-    let found = answer(&place, &format!("score designs -o out {CHEAP}"));
+    let found = place.answer(&format!("score designs -o out {CHEAP}"));
     assert_eq!(
         (&found["rows"], &found["taken_over"]),
         (&3.into(), &0.into())
@@ -118,7 +114,7 @@ fn work_goes_on_where_it_stopped_and_takes_further_complexes_and_columns() {
         place.path("designs/second.pdb.gz"),
     )
     .unwrap();
-    let found = answer(&place, &format!("score designs -o out {CHEAP}"));
+    let found = place.answer(&format!("score designs -o out {CHEAP}"));
     assert_eq!(
         (&found["rows"], &found["taken_over"]),
         (&4.into(), &3.into())
@@ -128,10 +124,7 @@ fn work_goes_on_where_it_stopped_and_takes_further_complexes_and_columns() {
         rows["first"]["buried_area_angstrom2"],
         rows["second"]["buried_area_angstrom2"]
     );
-    answer(
-        &place,
-        "score designs -o out --body A --body B --columns area,shape -q --json",
-    );
+    place.answer("score designs -o out --body A --body B --columns area,shape -q --json");
     let rows = table(&place, "out");
     let fit: f64 = rows["second"]["shape_complementarity"].parse().unwrap();
     assert!(fit > 0.6 && fit < 0.85, "{fit}");
@@ -143,13 +136,13 @@ fn work_goes_on_where_it_stopped_and_takes_further_complexes_and_columns() {
         "name,file,receptor_chains,ligand_chains\nx,designs/monomer.cif.gz,A,B\n",
     )
     .unwrap();
-    assert_eq!(answer(&place, failing)["failed"], 1);
-    let again = answer(&place, &failing.replace("exchange", "exchange,area"));
+    assert_eq!(place.answer(failing)["failed"], 1);
+    let again = place.answer(&failing.replace("exchange", "exchange,area"));
     assert_eq!(
         (&again["failed"], &again["taken_over"]),
         (&1.into(), &0.into())
     );
-    let same = answer(&place, &failing.replace("exchange", "exchange,area"));
+    let same = place.answer(&failing.replace("exchange", "exchange,area"));
     assert_eq!(same["taken_over"], 1);
     // A file that has changed is scored again.
     fs::copy(
@@ -157,10 +150,7 @@ fn work_goes_on_where_it_stopped_and_takes_further_complexes_and_columns() {
         place.path("designs/second.pdb.gz"),
     )
     .unwrap();
-    answer(
-        &place,
-        "score designs -o out --body A --body B --columns area -q --json",
-    );
+    place.answer("score designs -o out --body A --body B --columns area -q --json");
     assert_eq!(table(&place, "out")["second"]["status"], "failed");
     let other = place.run("score designs -o out --body A --body B --salt 10mM -q");
     assert!(message(&other).contains("salt_M"), "{}", message(&other));
@@ -171,7 +161,7 @@ fn every_contact_of_a_crystal_is_a_row() {
     let place = TemporaryFolder::with_data();
     let command =
         "score data/structures/4e43.pdb.gz --crystal -o out --columns contacts,charge -q --json";
-    let found = answer(&place, command);
+    let found = place.answer(command);
     assert_eq!(found["failed"], 0);
     let rows = table(&place, "out");
     let dimers: Vec<_> = rows
@@ -190,14 +180,11 @@ fn every_contact_of_a_crystal_is_a_row() {
 #[test]
 fn parts_of_the_work_make_the_same_table() {
     let place = designs();
-    answer(&place, &format!("score designs -o whole {CHEAP}"));
+    place.answer(&format!("score designs -o whole {CHEAP}"));
     for part in ["2/2", "1/2"] {
-        answer(
-            &place,
-            &format!("score designs -o parts --shard {part} {CHEAP}"),
-        );
+        place.answer(&format!("score designs -o parts --shard {part} {CHEAP}"));
     }
-    let found = answer(&place, &format!("score designs -o parts {CHEAP}"));
+    let found = place.answer(&format!("score designs -o parts {CHEAP}"));
     assert_eq!(found["taken_over"], 4);
     let text = |directory: &str| fs::read(place.path(directory).join("score.csv")).unwrap();
     assert_eq!(text("whole"), text("parts"));

@@ -1,15 +1,12 @@
 //! Titration of a structure: the answer for scripts, the files, and what is refused.
 
 use crate::common::{TemporaryFolder, is_ok, message};
-use serde_json::Value;
 
 const STRUCTURE: &str = "data/structures/5pti.cif.gz";
 
 /// B22 of two copies of the structure at each condition, mol mL/g².
 fn b22_values(place: &TemporaryFolder, flags: &str) -> Vec<f64> {
-    let output = place.run(&format!("pair -q {STRUCTURE} --json {flags}"));
-    is_ok(&output);
-    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let answer = place.answer(&format!("pair -q {STRUCTURE} --json {flags}"));
     let mut values = Vec::new();
     for condition in answer["conditions"].as_array().unwrap() {
         values.push(condition["b22_mol_ml_per_g2"].as_f64().unwrap());
@@ -20,11 +17,9 @@ fn b22_values(place: &TemporaryFolder, flags: &str) -> Vec<f64> {
 #[test]
 fn a_titration_says_what_shifts_each_pka_and_writes_its_tables() {
     let place = TemporaryFolder::with_data();
-    let output = place.run(&format!(
+    let answer = place.answer(&format!(
         "titrate -q {STRUCTURE} --ph 2..12/21 --salt 100mM --json -o titration"
     ));
-    is_ok(&output);
-    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     let groups = answer["groups"].as_array().unwrap();
     assert_eq!(groups.len(), 20);
     let mut net_charge_e = 0.0;
@@ -88,11 +83,9 @@ fn conditions_outside_the_fit_are_named() {
 fn a_body_carries_the_protonation_of_its_structure() {
     let place = TemporaryFolder::with_data();
     let conditions = "--ph 4 --anion-binding 2";
-    let output = place.run(&format!(
+    let answer = place.answer(&format!(
         "titrate -q {STRUCTURE} {conditions} --salt 50mM --json"
     ));
-    is_ok(&output);
-    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     is_ok(&place.run(&format!(
         "ingest -q {STRUCTURE} {conditions} --protonation structure --protonation-salt 50mM -o bodies"
     )));
@@ -125,18 +118,31 @@ fn a_body_carries_the_protonation_of_its_structure() {
     assert!(message(&refused).contains("add --protonation structure"));
 }
 
-/// Bodies of a pair are titrated in the salt of each condition: bound anions make B22 fall faster.
+/// Bodies of a pair are titrated in the salt of each condition, with the bound anions of the model.
 #[test]
 fn a_pair_is_titrated_in_each_salt() {
     let place = TemporaryFolder::with_data();
-    let b22 = |flags: &str| {
-        let flags = format!("--ph 7 --salt 20mM,200mM --relative-error 0.05 {flags}");
-        b22_values(&place, &flags)
-    };
-    let without = b22("--protonation structure");
-    let with = b22("--protonation structure --anion-binding 10");
-    assert!(with[0] < 0.9 * without[0], "{with:?} {without:?}");
-    assert!(with[1] < without[1], "{with:?} {without:?}");
+    let conditions = "--ph 7 --salt 20mM,200mM --relative-error 0.5 --most-directions 1024";
+    let pair = place.answer(&format!(
+        "pair -q {STRUCTURE} {conditions} --model solution-2 --json"
+    ));
+    assert_eq!(pair["model"], "solution-2");
+    let mut charges_e = Vec::new();
+    for condition in pair["conditions"].as_array().unwrap() {
+        let salt_molar = condition["salt_M"].as_f64().unwrap();
+        let titration = place.answer(&format!(
+            "titrate -q {STRUCTURE} --ph 7 --anion-binding 12 --salt {salt_molar}M --json"
+        ));
+        let expected = titration["net_charge_e"].as_f64().unwrap();
+        for net_charge_e in condition["net_charge_e"].as_array().unwrap() {
+            let net_charge_e = net_charge_e.as_f64().unwrap();
+            let difference = net_charge_e - expected;
+            assert!(difference.abs() < 1e-6, "{salt_molar} M: {difference}");
+            charges_e.push(net_charge_e);
+        }
+    }
+    // More salt, more anions.
+    assert!(charges_e[2] < charges_e[0] - 0.2, "{charges_e:?}");
     is_ok(&place.run(&format!("ingest -q {STRUCTURE} -o bodies")));
     let refused = place.run("pair bodies/5pti.body --salt 0.1M --protonation structure");
     assert!(message(&refused).contains("ingest them with --protonation"));
@@ -146,15 +152,6 @@ fn a_pair_is_titrated_in_each_salt() {
 #[test]
 fn bodies_of_another_titration_are_not_those_of_the_model() {
     let place = TemporaryFolder::with_data();
-    let name = |bodies: &str| {
-        let output = place.run(&format!(
-            "pair -q {bodies} --salt 100mM --relative-error 0.5 --most-directions 1024 --model solution-2 --json"
-        ));
-        is_ok(&output);
-        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
-        answer["model"].as_str().unwrap().to_owned()
-    };
-    assert_eq!(name(&format!("{STRUCTURE} --ph 7")), "solution-2");
     for (flags, expected) in [
         ("--anion-binding 12", "solution-2"),
         ("--anion-binding 1", "own terms"),
@@ -162,7 +159,12 @@ fn bodies_of_another_titration_are_not_those_of_the_model() {
         is_ok(&place.run(&format!(
             "ingest -q {STRUCTURE} --protonation structure {flags} -o bodies --force"
         )));
-        assert_eq!(name("bodies/5pti.body"), expected, "{flags}");
+        is_ok(
+            &place
+                .run("assemble fluid bodies/5pti.body --counts 2 --box 200 -o two.json --force -q"),
+        );
+        let inspected = place.answer("inspect two.json --salt 100mM --model solution-2 --json");
+        assert_eq!(inspected["model"], expected, "{flags}");
     }
 }
 
@@ -200,9 +202,7 @@ fn regulated_charges_repel_less() {
 fn salt_screens_the_shifts_by_neighbours() {
     let place = TemporaryFolder::with_data();
     let pka = |salt: &str| {
-        let output = place.run(&format!("titrate -q {STRUCTURE} --salt {salt} --json"));
-        is_ok(&output);
-        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let answer = place.answer(&format!("titrate -q {STRUCTURE} --salt {salt} --json"));
         let groups = answer["groups"].as_array().unwrap().clone();
         let group = groups
             .into_iter()

@@ -3,6 +3,7 @@
 
 #![allow(dead_code, unused_imports)] // each test program uses its part
 
+use protomer_common::input::InputFile;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -92,6 +93,33 @@ impl TemporaryFolder {
             .stderr(Stdio::piped())
             .output()
             .unwrap()
+    }
+
+    /// What a command that must not fail prints as JSON.
+    pub fn answer(&self, arguments: &str) -> serde_json::Value {
+        let output = self.run(arguments);
+        is_ok(&output);
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+
+    /// Writes `a.pdb`, `b.pdb` and `both.pdb`: the ends of both chains of the bundled protease, which lie in one sheet.
+    pub fn write_sheet(&self) {
+        let file = InputFile::read(&self.path("data/structures/4e43.pdb.gz")).unwrap();
+        let lines = String::from_utf8(file.bytes).unwrap();
+        let is_near = |line: &&str| {
+            let number = line
+                .get(22..26)
+                .and_then(|text| text.trim().parse::<i32>().ok());
+            line.starts_with("ATOM") && number.is_some_and(|number| !(9..=90).contains(&number))
+        };
+        let part = |chain: &str| -> String {
+            let atoms = lines.lines().filter(is_near);
+            let atoms = atoms.filter(|line| line.get(21..22) == Some(chain));
+            atoms.map(|line| format!("{line}\n")).collect()
+        };
+        std::fs::write(self.path("a.pdb"), part("A")).unwrap();
+        std::fs::write(self.path("b.pdb"), part("B")).unwrap();
+        std::fs::write(self.path("both.pdb"), part("A") + &part("B")).unwrap();
     }
 
     /// Runs it with files limited to this many blocks, so that writing beyond fails as on a full
