@@ -61,9 +61,9 @@ pub struct PairSettings {
     pub seed: u64,
     /// Independent replicas, whose spread is the error.
     pub replicas: u32,
-    /// Directions of each step of the pilot.
+    /// Directions of each step of the pilot; at most `most_directions` of them.
     pub pilot_directions: u64,
-    /// Directions of each replica at which only the surfaces count.
+    /// Directions of each replica at which only the surfaces count; fewer where a relative error above 3 % is wanted.
     pub hard_directions: u64,
     /// The wanted standard error of B₂, relative to the larger of |B₂| and its hard part.
     pub relative_error: f64,
@@ -121,6 +121,26 @@ impl PairSettings {
         let error = self.error_angstrom3.unwrap_or(1.0);
         let is_positive = error.is_finite() && error > 0.0;
         require("error of B2 in Å³", error, "positive", is_positive)
+    }
+}
+
+impl PairSettings {
+    /// Error up to which all of [`hard_directions`](Self::hard_directions) are taken, relative.
+    const PRECISE: f64 = 0.03;
+
+    /// Directions of each step of the pilot: not more than the replicas may take together.
+    fn pilot_step(&self) -> u64 {
+        self.pilot_directions.min(self.most_directions)
+    }
+
+    /// Rays of each replica at which only the surfaces count. Their error falls as the root of their number, so
+    /// fewer serve where a larger error is wanted; it stays below half of that.
+    fn hard_rays(&self) -> u64 {
+        if self.error_angstrom3.is_some() {
+            return self.hard_directions;
+        }
+        let needed = self.hard_directions as f64 * (Self::PRECISE / self.relative_error).powi(2);
+        (needed.ceil() as u64).clamp(64, self.hard_directions)
     }
 }
 
@@ -324,7 +344,7 @@ impl Estimator {
         let is_comparison = u64::from(step) + 1 == Self::PILOT_STEPS;
         // The choices for the production stand on centres that the last samples have not seen.
         let centres = is_comparison.then(|| self.centres());
-        let count = self.settings.pilot_directions;
+        let count = self.settings.pilot_step();
         let mut drawn = Vec::new();
         self.draw_and_keep(pair, step, &proposal, count, |sample, density| {
             drawn.push(Explored {
@@ -379,7 +399,7 @@ impl Estimator {
             .iter()
             .filter(|explored| explored.step == step)
             .collect();
-        let count = self.settings.pilot_directions;
+        let count = self.settings.pilot_step();
         let mut choices = vec![Proposal::uniform()];
         for width in WIDTHS {
             for share in SHARES {
@@ -506,7 +526,7 @@ impl Estimator {
         // Numbers beyond any direction with energies, so the streams are disjoint.
         const HARD: u64 = 1 << 40;
         let even = EvenSequence::new(&mut self.rng(step, u64::MAX - 1));
-        let count = self.settings.hard_directions;
+        let count = self.settings.hard_rays();
         let ray = |number: u64| {
             let mut rng = self.rng(step, HARD + number);
             hard_ray(pair, &even.orientation(number), &mut rng)

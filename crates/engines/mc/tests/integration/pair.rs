@@ -56,6 +56,33 @@ fn hard_convex_bodies_have_the_coefficient_of_isihara() {
     assert!(energetic.abs() < 1e-4 * expected, "{energetic}");
 }
 
+/// Fewer rays than for the default error, but enough: thin rods, whose hard part varies more with their orientations than that of
+/// proteins.
+#[test]
+fn fewer_hard_rays_serve_a_larger_error() {
+    let corner = Vec3::new(3.0, 3.0, 15.0);
+    let mesh = TriangleMesh::cuboid(&-corner, &corner);
+    let rod = Arc::new(BodyType::new("rod", &mesh, &[]).unwrap());
+    // V + S R̄ with R̄ a quarter of the sum of the edges.
+    let expected = mesh.volume_angstrom3() + mesh.area_angstrom2() * 0.5 * corner.sum();
+    let rod = pair_of(rod.clone(), rod, None);
+    let mut errors = Vec::new();
+    for relative_error in [0.004, 0.05, 0.2] {
+        let settings = PairSettings {
+            relative_error,
+            most_directions: 1024,
+            ..PairSettings::default()
+        };
+        let found = estimate(&rod, settings);
+        let error = found.b2_hard_error_angstrom3;
+        let off = found.b2_hard_angstrom3 - expected;
+        assert!(off.abs() < 4.0 * error, "{relative_error}: {off} {error}");
+        assert!(error < 0.5 * relative_error.max(0.01) * expected, "{error}");
+        errors.push(error);
+    }
+    assert!(errors[2] > errors[0], "fewer rays say less: {errors:?}");
+}
+
 /// A cube of 10 Å: eight vertices, so that faces in contact have none near each other.
 fn cube() -> Arc<BodyType> {
     let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
