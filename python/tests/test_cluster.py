@@ -75,7 +75,7 @@ def test_a_killed_worker_costs_its_own_task_and_the_sweep_is_the_local_one(ring,
 
 
 def test_a_killed_worker_costs_its_own_conditions_and_the_pair_is_the_local_one(pebbles, tmp_path, cluster, client):
-    pair = {"salt": ["30mM", "100mM", "300mM"], "relative_error": 0.4, "most_directions": 256, "checkpoint_every": 0}
+    pair = {"salt": ["30mM", "100mM", "300mM"], "relative_error": 0.4, "most_directions": 64, "checkpoint_every": 0}
     local = pm.pair(*pebbles, **pair, output=tmp_path / "local")
     kill = KillOne(cluster)
     remote = pm.pair(*pebbles, **pair, output=tmp_path / "remote", client=client, parts=3, progress=kill)

@@ -39,9 +39,9 @@ def test_the_tasks_of_an_array_make_the_local_sweep(ring, tmp_path):
 
 
 def test_the_tasks_of_an_array_make_the_local_pair(pebbles, tmp_path):
-    words = ["--salt=30mM,300mM", "--relative-error=0.4", "--most-directions=256"]
+    words = ["--salt=30mM,300mM", "--relative-error=0.4", "--most-directions=64"]
     array("pair.slurm", 2, tmp_path / "array", *pebbles, *words)
-    settings = {"salt": "30mM,300mM", "relative_error": 0.4, "most_directions": 256}
+    settings = {"salt": "30mM,300mM", "relative_error": 0.4, "most_directions": 64}
     assert not (tmp_path / "array" / "pair.csv").exists()
     collected = pm.pair(*pebbles, **settings, output=tmp_path / "array")
     assert collected == pm.pair(*pebbles, **settings, output=tmp_path / "local")

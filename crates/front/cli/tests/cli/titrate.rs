@@ -122,7 +122,7 @@ fn a_body_carries_the_protonation_of_its_structure() {
 #[test]
 fn a_pair_is_titrated_in_each_salt() {
     let place = TemporaryFolder::with_data();
-    let conditions = "--ph 7 --salt 20mM,200mM --relative-error 0.5 --most-directions 1024";
+    let conditions = "--ph 7 --salt 20mM,200mM --relative-error 0.5 --most-directions 64";
     let pair = place.answer(&format!(
         "pair -q {STRUCTURE} {conditions} --model solution-2 --json"
     ));

@@ -189,7 +189,7 @@ fn pair() -> TemporaryFolder {
     std::fs::copy(data.join("1bd2_short.pdb.gz"), place.path("peptide.pdb.gz")).unwrap();
     is_ok(&place.run(
         "pair peptide.pdb.gz --salt 30mM,300mM --ph 4,9 --contacts calvados3 --relative-error 0.5 \
-         --most-directions 256 --seed 3 -q -o pair",
+         --most-directions 64 --seed 3 -q -o pair",
     ));
     place
 }
