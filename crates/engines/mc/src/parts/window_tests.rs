@@ -136,6 +136,10 @@ fn windows_of_a_pair_have_the_integral_by_quadrature() {
         let found = *partitions(&wells, &windows()).unwrap().last().unwrap();
         let exact = ln_by_quadrature(&wells);
         let error = found.ln_partition_error;
+        println!(
+            "{depth_kt} kT: quadrature {exact:.2}, windows {:.2} ± {error:.2}",
+            found.ln_partition
+        );
         assert!(error < 0.35, "{depth_kt} kT: {found:?}");
         let deviation = (found.ln_partition - exact) / error;
         assert!(deviation.abs() < 3.0, "{depth_kt} kT: {found:?} {exact}");
