@@ -13,7 +13,6 @@ import sys
 from pathlib import Path
 
 CHARGE_E, EDGE_ANGSTROM, SPACING_ANGSTROM, BOX_ANGSTROM, BODIES = 1.55, 10.0, 10.4, 220.0, 64
-LIMIT_ANGSTROM = 5.0
 PER_ANGSTROM3_AT_1_MOLAR = 6.02214076e-4
 SALTS_MOLAR = (0.5, 0.56, 0.64, 0.76, 1.0)
 LADDERS = (0, 1)
@@ -44,8 +43,8 @@ def write_bodies():
     Path("ring.json").write_text(json.dumps({"bodies": bodies, "placements": list(ring())}))
 
 
-def clusters(frame, numpy, rotation_class):
-    """Numbers of single bodies and of pairs in a frame."""
+def clusters(frame, limit_angstrom, numpy, rotation_class):
+    """Numbers of single bodies and of pairs in a frame; pairs are within the limit of their place, as `stability` has them."""
     positions = numpy.asarray(frame.particles.position, float)
     quaternions = numpy.roll(numpy.asarray(frame.particles.orientation, float), -1, axis=1)
     turns = rotation_class.from_quat(quaternions)
@@ -65,7 +64,7 @@ def clusters(frame, numpy, rotation_class):
             shift = back.apply(displacement[second]) - native_shift
             angle = (back * turns[second] * native_turn.inv()).magnitude()
             square = (shift**2).sum() + 4 / 3 * (1 - math.cos(angle)) * gyration2
-            if square < LIMIT_ANGSTROM**2:
+            if square < limit_angstrom**2:
                 bonds.append((first, int(second)))
     parent = list(range(count))
 
@@ -93,12 +92,14 @@ def print_table():
     print("| salt (M) | ln K, box of 64 bodies | ln K, stability | standard errors apart |")
     print("|---|---|---|---|")
     for salt, condition in zip(SALTS_MOLAR, found["conditions"]):
+        row = condition["parts"][number]
+        limit_angstrom = row["limit_angstrom"]
         blocks = []
         for ladder in LADDERS:
             path = Path(f"fluid/salt_{salt:.6f}M/replica_{ladder}/trajectory.gsd")
             with gsd.hoomd.open(path, "r") as trajectory:
                 frames = range(len(trajectory) // 5, len(trajectory))
-                counts = numpy.array([clusters(trajectory[frame], numpy, Rotation) for frame in frames], float)
+                counts = numpy.array([clusters(trajectory[frame], limit_angstrom, numpy, Rotation) for frame in frames], float)
             blocks += numpy.array_split(counts, 8)
 
         def ln_constant(chosen):
@@ -109,7 +110,6 @@ def print_table():
         # Jackknife over the blocks: each left out in turn.
         left_out = [ln_constant(blocks[:n] + blocks[n + 1 :]) for n in range(len(blocks))]
         error = math.sqrt((len(blocks) - 1) * numpy.var(left_out))
-        row = condition["parts"][number]
         exact, exact_error = -row["free_energy_kt"] - math.log(PER_ANGSTROM3_AT_1_MOLAR), row["free_energy_error_kt"]
         apart = (box - exact) / math.hypot(error, exact_error)
         print(f"| {salt} | {box:.2f} ± {error:.2f} | {exact:.2f} ± {exact_error:.2f} | {apart:+.1f} |")
