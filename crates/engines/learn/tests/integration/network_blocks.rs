@@ -103,9 +103,11 @@ fn obvious_pool(x: &[f64], edges: [usize; 3]) -> Vec<f64> {
     out
 }
 
+/// Samples, channels, outputs, edge of the kernel, and depth, height and width of the input.
+type Sizes = (usize, usize, usize, usize, usize, usize, usize);
+
 /// Shapes that reach every size of register tile, and odd ones.
-/// (samples, channels, outputs, kernel, depth, height, width).
-const SHAPES: [(usize, usize, usize, usize, usize, usize, usize); 13] = [
+const SHAPES: [Sizes; 13] = [
     (1, 1, 1, 1, 1, 1, 1),
     (2, 1, 3, 3, 2, 3, 5),
     (2, 3, 16, 3, 4, 5, 31),
@@ -222,11 +224,19 @@ fn gradients(
     )
 }
 
-fn variables(
-    seed: u64,
-    shape: (usize, usize, usize, usize, usize, usize, usize),
-    groups: Option<usize>,
-) -> Vec<Var> {
+/// Settings of a block for an input of this shape; none if an edge is too short to be pooled.
+fn block_settings(shape: Sizes, groups: Option<usize>, pool: bool) -> Option<BlockSettings> {
+    let (_, _, width, kernel, depth, height, length) = shape;
+    let is_short = [depth, height, length].iter().any(|edge| *edge < 2);
+    (!(pool && is_short)).then_some(BlockSettings {
+        width,
+        kernel,
+        groups,
+        pool,
+    })
+}
+
+fn variables(seed: u64, shape: Sizes, groups: Option<usize>) -> Vec<Var> {
     let (samples, channels, outputs, k, depth, height, width) = shape;
     let x = grid(seed, &[samples, channels, depth, height, width]);
     let (weight, bias) = parameters((channels, outputs, k, seed as usize));
@@ -261,23 +271,17 @@ fn require_equal(
 #[test]
 fn the_fused_block_has_the_gradients_of_the_composed_one() {
     for (i, shape) in SHAPES.into_iter().enumerate() {
-        let (_, _, outputs, kernel, depth, height, width) = shape;
+        let (_, channels, outputs, kernel, ..) = shape;
         for groups in [None, Some(1), (outputs % 2 == 0).then_some(outputs / 2)] {
             // With the second bias most outputs are cut off, and even without pooling listing
             // the rest pays.
             for (pool, shift) in [(false, 0.0), (true, 0.0), (false, -0.8), (true, -0.8)] {
-                if pool && [depth, height, width].iter().any(|edge| *edge < 2) {
+                let Some(settings) = block_settings(shape, groups, pool) else {
                     continue;
-                }
-                let settings = BlockSettings {
-                    width: outputs,
-                    kernel,
-                    groups,
-                    pool,
                 };
                 let variables = variables(i as u64, shape, groups);
                 if groups.is_none() && shift != 0.0 {
-                    let cut = shift * ((shape.1 * kernel.pow(3)) as f64).sqrt();
+                    let cut = shift * ((channels * kernel.pow(3)) as f64).sqrt();
                     variables[2]
                         .set(&Tensor::full(cut as f32, outputs, &CPU).unwrap())
                         .unwrap();
@@ -303,18 +307,11 @@ fn the_fused_block_has_the_gradients_of_the_composed_one() {
 fn gradients_skip_empty_parts_without_a_trace() {
     let wide = [(1, 2, 20, 3, 2, 4, 130), (2, 3, 16, 3, 8, 8, 9)];
     for (i, shape) in SHAPES.into_iter().chain(wide).enumerate() {
-        let (_, _, outputs, kernel, depth, height, width) = shape;
         for limit in [-0.99, -0.9, -0.6] {
             for groups in [None, Some(1)] {
                 for pool in [false, true] {
-                    if pool && [depth, height, width].iter().any(|edge| *edge < 2) {
+                    let Some(settings) = block_settings(shape, groups, pool) else {
                         continue;
-                    }
-                    let settings = BlockSettings {
-                        width: outputs,
-                        kernel,
-                        groups,
-                        pool,
                     };
                     let all = variables(i as u64, shape, groups);
                     let few = grid(i as u64 + 50, all[0].dims()).le(limit).unwrap();
@@ -342,7 +339,7 @@ fn gradients_skip_empty_parts_without_a_trace() {
 fn the_convolution_and_its_gradients_are_adjoint() {
     for level in Level::available() {
         for (i, shape) in SHAPES.into_iter().enumerate() {
-            let (.., outputs, kernel, _, _, _) = shape;
+            let outputs = shape.2;
             // Shifted so far up that the ReLU cuts nothing off; pooling lists the gradients, the
             // plain block uses all.
             for pool in [false, true] {
@@ -350,14 +347,8 @@ fn the_convolution_and_its_gradients_are_adjoint() {
                 variables[2]
                     .set(&Tensor::full(1e3f32, outputs, &CPU).unwrap())
                     .unwrap();
-                if pool && [shape.4, shape.5, shape.6].iter().any(|edge| *edge < 2) {
+                let Some(settings) = block_settings(shape, None, pool) else {
                     continue;
-                }
-                let settings = BlockSettings {
-                    width: outputs,
-                    kernel,
-                    groups: None,
-                    pool,
                 };
                 let (_, found) = gradients(
                     |x, p| block::fused(level, x, p, &settings),
