@@ -529,7 +529,7 @@ mod tests {
         let expected = spheres.total_kt - f64::ln(stretch * flattening);
         let error = spheres.total_kt_error.hypot(ellipsoids.total_kt_error);
         let off = ellipsoids.total_kt - expected;
-        // The stretch is 0.25.
+        // The logarithm of the stretch, which the test must notice, is 0.25.
         assert!(error < 0.03, "{error}");
         assert!(off.abs() < 4.0 * error, "{off} {error}");
     }

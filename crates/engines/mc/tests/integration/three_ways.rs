@@ -142,7 +142,7 @@ impl Plain<'_> {
     }
 
     /// Mean of several runs with its error.
-    fn of_runs(&self) -> (f64, f64) {
+    fn mean_over_runs(&self) -> (f64, f64) {
         let values: Vec<f64> = (0..RUNS)
             .into_par_iter()
             .map(|run| self.ln_ratio(run))
@@ -211,7 +211,7 @@ fn a_dimer_a_trimer_and_a_ring_of_four_are_the_same_by_three_ways() {
             part,
             cubes: &cubes,
         };
-        let (ln_ratio, error) = run.of_runs();
+        let (ln_ratio, error) = run.mean_over_runs();
         plain += ln_ratio;
         variance += error.powi(2);
         let (a, b) = (&grown[number], &pulled[number]);

@@ -84,16 +84,16 @@ fn energies_are_those_of_binding() {
     let command =
         "binding both.pdb --salt 50mM,500mM --body A --body B --spacing 0.9 --no-kd -q --json";
     let binding = place.answer(command);
-    let of_binding = |value: &Value| value.as_f64().unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
     for (index, salt) in ["50mM", "500mM"].iter().enumerate() {
         let condition = &binding["conditions"][index];
         let energy: f64 = row[&format!("energy_kt_{salt}")].parse().unwrap();
-        assert_eq!(energy, of_binding(&condition["energy_kt"]));
+        assert_eq!(energy, number(&condition["energy_kt"]));
         let charges: f64 = row[&format!("charges_kt_{salt}")].parse().unwrap();
-        assert_eq!(charges, of_binding(&condition["terms_kt"]["charges"]));
+        assert_eq!(charges, number(&condition["terms_kt"]["charges"]));
     }
     let slope: f64 = row["d_ln_k_d_ln_salt"].parse().unwrap();
-    assert_eq!(slope, of_binding(&binding["d_ln_k_d_ln_salt"]));
+    assert_eq!(slope, number(&binding["d_ln_k_d_ln_salt"]));
     assert_eq!((&*row["measured"], &*row["overlap"]), ("yes", "no"));
 }
 

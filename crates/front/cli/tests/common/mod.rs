@@ -95,7 +95,7 @@ impl TemporaryFolder {
             .unwrap()
     }
 
-    /// What a command that must not fail prints as JSON.
+    /// JSON that a command prints, which must not fail.
     pub fn answer(&self, arguments: &str) -> serde_json::Value {
         let output = self.run(arguments);
         is_ok(&output);
