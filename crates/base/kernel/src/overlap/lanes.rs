@@ -196,7 +196,7 @@ impl Iterator for Bits {
 
 /// The larger of two numbers that are not NaN, in one instruction.
 #[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
+pub(super) fn larger(a: f32, b: f32) -> f32 {
     // Not `f32::max`, which must care for NaN and takes more than one instruction.
     if a > b { a } else { b }
 }
@@ -205,14 +205,14 @@ fn larger(a: f32, b: f32) -> f32 {
 /// arithmetic, and one Newton step follows, which always ends below. A root and a quotient would
 /// keep the divider busy, which the other roots need, and the discs are not sharper than that.
 #[inline(always)]
-fn inverse_root_below(x: f32) -> f32 {
+pub(super) fn inverse_root_below(x: f32) -> f32 {
     let guess = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(x.to_bits() >> 1));
     guess * (0.5 * x * guess).mul_add(-guess, 1.5)
 }
 
 /// The root √x; zero for x ≤ 0.
 #[inline(always)]
-fn root(x: f32) -> f32 {
+pub(super) fn root(x: f32) -> f32 {
     larger(x, 0.0).sqrt()
 }
 
