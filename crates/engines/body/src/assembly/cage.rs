@@ -10,6 +10,7 @@ use crate::{BodyError, Result};
 use protomer_kernel::{Pose, Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::LazyLock;
 
 protomer_kernel::choices! {
     /// Group of the proper rotations of a regular polyhedron.
@@ -46,7 +47,23 @@ impl CubicGroup {
     /// let rotations = CubicGroup::Octahedral.rotations();
     /// assert!(rotations.len() == 24 && rotations[0].angle() == 0.0);
     /// ```
-    pub fn rotations(self) -> Vec<Rotation> {
+    pub fn rotations(self) -> &'static [Rotation] {
+        // A search places millions of cages, and making the icosahedral group takes 3600 comparisons of rotations.
+        static TETRAHEDRAL: LazyLock<Vec<Rotation>> =
+            LazyLock::new(|| CubicGroup::Tetrahedral.generate());
+        static OCTAHEDRAL: LazyLock<Vec<Rotation>> =
+            LazyLock::new(|| CubicGroup::Octahedral.generate());
+        static ICOSAHEDRAL: LazyLock<Vec<Rotation>> =
+            LazyLock::new(|| CubicGroup::Icosahedral.generate());
+        match self {
+            Self::Tetrahedral => &TETRAHEDRAL,
+            Self::Octahedral => &OCTAHEDRAL,
+            Self::Icosahedral => &ICOSAHEDRAL,
+        }
+    }
+
+    /// Products of two generators, until no new rotation appears.
+    fn generate(self) -> Vec<Rotation> {
         let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
         let turn = |axis: Vec3, angle: f64| Rotation::new(axis.normalize() * angle);
         let other = match self {
@@ -55,7 +72,6 @@ impl CubicGroup {
             Self::Icosahedral => turn(Vec3::new(0.0, 1.0, golden), TAU / 5.0),
         };
         let generators = [turn(Vec3::new(1.0, 1.0, 1.0), TAU / 3.0), other];
-        // Products of generators until no new one appears.
         let mut group = vec![Rotation::identity()];
         let mut number = 0;
         while number < group.len() && group.len() < self.order() {
