@@ -17,7 +17,7 @@ mod cpu_time;
 #[path = "../tests/integration/overlap_support/mod.rs"]
 mod overlap_support;
 
-use cpu_time::{cpu_seconds, is_asked_for, seconds_per_call};
+use cpu_time::{are_requested, cpu_seconds, seconds_per_call};
 use overlap_support::*;
 use protomer_kernel::overlap::{CarriedBound, comes_within, distance, overlaps, separation_bound};
 use protomer_kernel::{Boundary, CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
@@ -31,7 +31,7 @@ const CEILING: f64 = 1.0;
 const STRETCH: usize = 2000;
 
 fn main() {
-    if !is_asked_for() {
+    if !are_requested() {
         return;
     }
     for (name, mesh) in meshes() {

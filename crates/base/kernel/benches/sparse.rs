@@ -11,12 +11,12 @@
 
 mod cpu_time;
 
-use cpu_time::{cpu_seconds, is_asked_for, seconds_per_call};
+use cpu_time::{are_requested, cpu_seconds, seconds_per_call};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::sparse::LdlFactor;
 
 fn main() {
-    if !is_asked_for() {
+    if !are_requested() {
         return;
     }
     println!(

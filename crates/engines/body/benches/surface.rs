@@ -1,10 +1,15 @@
-//! Time for the accessible surface, the signed distance, the exact measures and the whole surface of
+//! CPU time for the accessible surface, the signed distance, the exact measures and the whole surface of
 //! a protein-like body.
 //!
 //! `cargo bench -p protomer-body --bench surface`; the argument of the environment variable
 //! `PROTOMER_XYZR` (rows of x y z radius) replaces the synthetic globule of 1000 atoms.
 
-use criterion::{Criterion, criterion_group, criterion_main};
+#![allow(clippy::print_stdout, reason = "a benchmark")]
+
+#[path = "../../../base/kernel/benches/cpu_time/mod.rs"]
+mod cpu_time;
+
+use cpu_time::{are_requested, seconds_per_call};
 use protomer_body::surface::{
     Arrangement, ImplicitSolid, Measure, MeshSettings, SesSolid, solvent_excluded_surface,
 };
@@ -55,7 +60,10 @@ fn read_xyzr(path: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
     )
 }
 
-fn surface(criterion: &mut Criterion) {
+fn main() {
+    if !are_requested() {
+        return;
+    }
     let given = std::env::var("PROTOMER_XYZR")
         .ok()
         .and_then(|path| read_xyzr(&path));
@@ -64,36 +72,45 @@ fn surface(criterion: &mut Criterion) {
         return;
     };
     let solid = SesSolid::new(&accessible);
-    let mut group = criterion.benchmark_group(format!("surface_{}_atoms", centres.len()));
-    group.sample_size(20);
-    group.bench_function("arrangement", |b| {
-        b.iter(|| Arrangement::new(black_box(&centres), &radii, 1.4))
-    });
-    group.bench_function("solid", |b| {
-        b.iter(|| SesSolid::new(black_box(&accessible)))
-    });
-    group.bench_function("measure", |b| {
-        b.iter(|| Measure::new(black_box(&accessible)))
-    });
-    group.bench_function("whole", |b| {
-        let settings = MeshSettings::default();
-        b.iter(|| solvent_excluded_surface(black_box(&centres), &radii, 1.4, &settings))
-    });
-    let points: Vec<Vec3> = near_surface(&solid, &accessible);
-    let mut next = 0;
-    group.bench_function("signed_distance", |b| {
-        b.iter(|| {
-            next = (next + 1) % points.len();
-            solid.signed_distance(black_box(&points[next]))
-        });
-    });
-    group.bench_function("project", |b| {
-        b.iter(|| {
-            next = (next + 1) % points.len();
-            solid.project(black_box(&points[next]))
-        });
-    });
-    group.finish();
+    println!("{} atoms, milliseconds:", centres.len());
+    let tell = |work: &str, seconds: f64| println!("{work:<16} {:10.4}", 1e3 * seconds);
+    let arrange = || {
+        drop(black_box(Arrangement::new(
+            black_box(&centres),
+            &radii,
+            1.4,
+        )))
+    };
+    tell("arrangement", seconds_per_call(arrange));
+    let make_solid = || drop(black_box(SesSolid::new(black_box(&accessible))));
+    tell("solid", seconds_per_call(make_solid));
+    let measure = || drop(black_box(Measure::new(black_box(&accessible))));
+    tell("measure", seconds_per_call(measure));
+    let settings = MeshSettings::default();
+    let whole = || {
+        drop(black_box(solvent_excluded_surface(
+            &centres, &radii, 1.4, &settings,
+        )))
+    };
+    tell("whole", seconds_per_call(whole));
+    let points = near_surface(&solid, &accessible);
+    let mut places = points.iter().cycle();
+    tell(
+        "signed distance",
+        seconds_per_call(|| {
+            for point in places.by_ref().take(1000) {
+                black_box(solid.signed_distance(black_box(point)));
+            }
+        }) / 1000.0,
+    );
+    tell(
+        "project",
+        seconds_per_call(|| {
+            for point in places.by_ref().take(1000) {
+                black_box(solid.project(black_box(point)));
+            }
+        }) / 1000.0,
+    );
 }
 
 /// Grid points within 0.7 Å of the surface, in grid order as a mesher visits them.
@@ -114,6 +131,3 @@ fn near_surface(solid: &SesSolid, accessible: &Arrangement) -> Vec<Vec3> {
     assert!(points.len() > accessible.faces().len());
     points
 }
-
-criterion_group!(benches, surface);
-criterion_main!(benches);

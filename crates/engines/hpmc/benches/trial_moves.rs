@@ -7,7 +7,7 @@
 #[path = "../../../base/kernel/benches/cpu_time/mod.rs"]
 mod cpu_time;
 
-use cpu_time::{cpu_seconds, is_asked_for};
+use cpu_time::{are_requested, cpu_seconds};
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::reservoir::Depletant;
 use protomer_hpmc::simulation::{Settings, Simulation};
@@ -15,7 +15,7 @@ use protomer_hpmc::start::Start;
 use protomer_kernel::shape::{Shape, builders::by_name};
 
 fn main() {
-    if !is_asked_for() {
+    if !are_requested() {
         return;
     }
     let disk = Shape::flat(&[[0.0, 0.0]]).unwrap();

@@ -30,6 +30,6 @@ pub fn seconds_per_call(mut work: impl FnMut()) -> f64 {
 }
 
 /// Whether benchmarks were requested: nothing is timed under `cargo test`.
-pub fn is_asked_for() -> bool {
+pub fn are_requested() -> bool {
     std::env::args().any(|argument| argument == "--bench")
 }
