@@ -131,7 +131,8 @@ fn ray_comes_near(disc: &Disc, from: &Vec3, to: &Vec3) -> bool {
     let segment = to - from;
     let offset = Vec3::from(disc.centre.map(f64::from)) - from;
     let nearest = segment * (offset.dot(&segment) / segment.norm_squared()).clamp(0.0, 1.0);
-    let radius = f64::from(disc.radius).hypot(f64::from(disc.half_thickness)) * (1.0 + ROUNDING);
-    // Unused lanes have a negative radius, whose hypotenuse would be large.
+    let (across, along) = (f64::from(disc.radius), f64::from(disc.half_thickness));
+    let radius = (across * across + along * along).sqrt() * (1.0 + ROUNDING);
+    // Unused lanes have a negative radius, whose square would be large.
     disc.radius >= 0.0 && (offset - nearest).norm() <= radius + ROUNDING * offset.norm()
 }
