@@ -284,6 +284,13 @@ impl<'a, F: Flow, G: Flow> Neighbours<'a, F, G> {
         for square in &network.squares {
             weights.extend([square.mass, square.mass, square.inertia]);
         }
+        weights.extend(
+            network
+                .cell_mass
+                .map(|mass| [mass; 3])
+                .into_iter()
+                .flatten(),
+        );
         let mut neighbour = state.clone();
         let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, Purpose::LyapunovDirection);
         for numbers in [&mut neighbour.positions, &mut neighbour.velocities] {

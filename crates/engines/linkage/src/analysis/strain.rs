@@ -21,7 +21,7 @@
 //! consecutive samples.
 
 use crate::lattice::contact::layout::Layout;
-use crate::lattice::{Corner, Network};
+use crate::lattice::{Cell, Corner, Network};
 use crate::{CrystalError, Result};
 use nalgebra::{Matrix2, Vector2};
 use protomer_kernel::statistics::jackknife_error;
@@ -89,6 +89,31 @@ pub fn deformation_gradient(before: &[[f64; 2]], after: &[[f64; 2]]) -> Result<M
             "the points lie on one line and show no strain across it; use the corners".into(),
         )),
     }
+}
+
+/// The deformation gradient between two arrays of positions of a network: that of a flexible cell,
+/// or else of the corners of all squares.
+///
+/// ```
+/// use protomer_linkage::analysis::strain::gradient_between;
+/// use protomer_linkage::lattice::{Edges, Network, Square, State};
+/// let network = Network::lattice(2, 2, 0.5, Square::default(), Edges::Periodic, 0.3)?;
+/// let network = network.with_flexible_cell(1.0)?;
+/// let before = State::coherent(&network, 0.3).positions;
+/// let after = State::coherent(&network, 0.5).positions;
+/// let gradient = gradient_between(&network, &before, &after)?;
+/// assert!(gradient[(0, 0)] > 1.0 && (gradient[(0, 0)] - gradient[(1, 1)]).abs() < 1e-14);
+/// # Ok::<(), protomer_linkage::CrystalError>(())
+/// ```
+///
+/// # Errors
+/// As [`deformation_gradient`].
+pub fn gradient_between(network: &Network, before: &[f64], after: &[f64]) -> Result<Matrix2<f64>> {
+    if network.cell_mass.is_some() {
+        let first = Cell::read(network, before);
+        return Ok(Cell::read(network, after).gradient_since(&first));
+    }
+    deformation_gradient(&corners(network, before), &corners(network, after))
 }
 
 fn mean(points: &[[f64; 2]]) -> Vector2<f64> {

@@ -125,10 +125,19 @@ impl Drag {
 
     /// target = P (target - t Γ v).
     fn decelerate(&self, dynamics: &mut Dynamics, v: &[f64], time: f64, target: &mut [f64]) {
-        for (target, v) in target.chunks_exact_mut(3).zip(v.chunks_exact(3)) {
+        let squares = dynamics.network().squares.len();
+        let rows = target.chunks_exact_mut(3).zip(v.chunks_exact(3));
+        for (body, (target, v)) in rows.enumerate() {
+            // All components of a flexible cell are translations.
+            let is_square = body < squares;
+            let turning = if is_square {
+                self.rotation
+            } else {
+                self.translation
+            };
             target[0] -= time * self.translation * v[0];
             target[1] -= time * self.translation * v[1];
-            target[2] -= time * self.rotation * v[2];
+            target[2] -= time * turning * v[2];
         }
         dynamics.project_velocities(target);
     }

@@ -9,6 +9,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`network`] | what is joined to what: data, not code |
+//! | [`cell`] | the periodic cell, fixed or flexible |
 //! | [`plan`] | a lattice with its defects |
 //! | [`square_of_body`] | the square that stands for a body |
 //! | [`state`] | where everything is and how it moves |
@@ -25,7 +26,7 @@
 //! | [`thermostat`] | Langevin dynamics at a temperature |
 //! | [`pair`] | screened charges on the squares |
 //! | [`angle_potential`] | potentials of the angle between joined squares and of the opening |
-//! | [`load`] | a stress on a lattice with open edges |
+//! | [`load`] | a stress on a lattice |
 //! | [`mover`] | forces, collisions and heat bath of a run in one |
 //! | [`paper`] | collisions as the paper prescribes them, for comparison |
 //!
@@ -39,6 +40,7 @@
 //! misprints corrected.
 
 pub mod angle_potential;
+pub mod cell;
 pub mod collision;
 pub mod contact;
 pub mod drag;
@@ -60,6 +62,7 @@ pub mod thermostat;
 pub mod time_step;
 
 pub use angle_potential::{JointPotential, OpeningPotential};
+pub use cell::{Cell, CellKind};
 pub use collision::replay::{FirstContact, Response, first_contact, respond};
 pub use contact::Contact;
 pub use drag::Drag;

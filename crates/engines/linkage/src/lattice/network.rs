@@ -122,9 +122,12 @@ pub struct Network {
     pub squares: Vec<Square>,
     /// The rods.
     pub rods: Vec<Rod>,
-    /// Edges of the periodic cell along x and y.
+    /// Edges of the periodic cell along x and y, of a flexible one those of the coherent state.
     #[serde(default)]
     pub cell: Option<[f64; 2]>,
+    /// Mass of each component of a flexible cell; `None` for a fixed one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell_mass: Option<f64>,
     /// Row and column of every square, where some are missing from the lattice; otherwise the
     /// squares fill it row by row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -177,10 +180,55 @@ impl Network {
             squares: vec![square; rows * columns],
             rods: lattice_rods(rows, columns, rod_length, periodic),
             cell: periodic.then_some([columns as f64 * distance, rows as f64 * distance]),
+            cell_mass: None,
             places: None,
         };
         network.check()?;
         Ok(network)
+    }
+
+    /// The network with a flexible cell, each component of which has this mass.
+    ///
+    /// ```
+    /// use protomer_linkage::lattice::{Edges, Network, Square};
+    /// let periodic = Network::lattice(2, 2, 0.5, Square::default(), Edges::Periodic, 0.3)?;
+    /// assert_eq!(periodic.with_flexible_cell(1.0)?.coordinates(), 3 * 4 + 3);
+    /// let open = Network::lattice(2, 2, 0.5, Square::default(), Edges::Open, 0.3)?;
+    /// assert!(open.with_flexible_cell(1.0).is_err());
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CrystalError::BadNetwork`] for open edges, [`CrystalError::BadSetting`] for a mass that is
+    /// not positive.
+    pub fn with_flexible_cell(mut self, mass: f64) -> Result<Self> {
+        self.cell_mass = Some(mass);
+        self.check()?;
+        Ok(self)
+    }
+
+    /// Number of coordinates: x, y and θ of every square, and H_xx, H_yy and H_xy of a flexible
+    /// cell.
+    pub fn coordinates(&self) -> usize {
+        3 * self.bodies()
+    }
+
+    /// The squares, and a flexible cell.
+    pub(crate) fn bodies(&self) -> usize {
+        self.squares.len() + usize::from(self.cell_mass.is_some())
+    }
+
+    /// The first of the coordinates of a flexible cell.
+    pub(crate) fn cell_place(&self) -> Option<usize> {
+        self.cell_mass.map(|_| 3 * self.squares.len())
+    }
+
+    /// Mass per coordinate of a square, or of the cell after the last one.
+    pub(crate) fn inertia_per_coordinate(&self, body: usize) -> [f64; 3] {
+        match self.squares.get(body) {
+            Some(square) => [square.mass, square.mass, square.inertia],
+            None => [self.cell_mass.unwrap_or(f64::INFINITY); 3],
+        }
     }
 
     /// Row and column of a square.
@@ -293,6 +341,16 @@ impl Network {
         }
         for edge in self.cell.iter().flatten() {
             require_positive("cell", *edge)?;
+        }
+        if let Some(mass) = self.cell_mass {
+            require_positive("cell_mass", mass)?;
+            if self.cell.is_none() {
+                return Err(CrystalError::BadNetwork(
+                    "a lattice with open edges has no cell to be flexible; give edges = \
+                     \"periodic\", or remove the mass of the cell"
+                        .into(),
+                ));
+            }
         }
         for (index, rod) in self.rods.iter().enumerate() {
             require_positive("rod_length", rod.length)?;

@@ -9,6 +9,7 @@
 //! left out as a whole where so many others lie between them that exp(-κ r) is below 10⁻³ for every
 //! pair of their charges; see [`rings`].
 
+use super::cell::{Cell, cell_gradient};
 use super::force::Force;
 use super::network::Network;
 use super::state::angles;
@@ -205,23 +206,29 @@ fn check_pair(network: &Network, pair: &SquarePair) -> Result<()> {
 
 impl Force for ScreenedCharges {
     fn accelerate(&self, network: &Network, positions: &[f64], accelerations: &mut [f64]) -> f64 {
-        let cell = network.cell.unwrap_or([0.0; 2]);
+        let cell = Cell::read(network, positions);
         let turned_by: Vec<Vector> = angles(positions).map(direction).collect();
         let mut total = 0.0;
         for pair in &self.pairs {
             let [p, q] = pair.squares;
-            let image = [0, 1].map(|axis| f64::from(pair.image[axis]) * cell[axis]);
+            let image = pair.image.map(f64::from);
             let (first, second) = (
                 [positions[3 * p], positions[3 * p + 1]],
                 [positions[3 * q], positions[3 * q + 1]],
             );
-            let between = minus(minus(first, second), image);
+            let between = minus(minus(first, second), cell.shift(image));
             let sum = self.interaction(pair.squares, between, &turned_by);
             for (square, sign, torque) in [(p, 1.0, sum.torques[0]), (q, -1.0, sum.torques[1])] {
                 let body = &network.squares[square];
                 accelerations[3 * square] += sign * sum.force[0] / body.mass;
                 accelerations[3 * square + 1] += sign * sum.force[1] / body.mass;
                 accelerations[3 * square + 2] += torque / body.inertia;
+            }
+            if let (Some(mass), Some(place)) = (network.cell_mass, network.cell_place()) {
+                let pulls = cell_gradient(sum.force, image);
+                for (acceleration, pull) in accelerations[place..].iter_mut().zip(pulls) {
+                    *acceleration -= pull / mass;
+                }
             }
             total += sum.energy;
         }

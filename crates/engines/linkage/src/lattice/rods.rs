@@ -5,13 +5,18 @@
 //!
 //! ∂σ/∂(x, y, θ) = ± (u_x, u_y, u · G ρ), G ρ = (-ρ_y, ρ_x),
 //!
+//! and, for a rod to the image n in a flexible [`cell`](super::cell), for the cell
+//!
+//! ∂σ/∂(H_xx, H_yy, H_xy) = - (u_x n_x, u_y n_y, u_x n_y),
+//!
 //! where ρ leads from the centre to the corner. Multipliers λ are forces along the rods (positive
 //! pushes the ends apart), the accelerations they give are M⁻¹ Jᵀ λ, and A = J M⁻¹ Jᵀ couples rods
-//! that share a square.
+//! that share a square, or cross the edges of a flexible cell.
 
+use super::cell::{Cell, cell_gradient};
 use super::network::{Corner, Network, Rod};
 use super::state::angles;
-use crate::plane::{Vector, direction, dot, norm, turned};
+use crate::plane::{Vector, direction, dot, minus, norm, turned};
 use crate::{CrystalError, Result};
 use protomer_kernel::sparse::{LdlFactor, SparseError};
 
@@ -37,6 +42,10 @@ pub struct RodSystem {
     rows: Vec<[[f64; 3]; 2]>,
     /// Products of blocks that add up to the entries of A.
     products: Vec<Product>,
+    /// Pairs of rods that both move the flexible cell.
+    cell_products: Vec<CellProduct>,
+    /// Reciprocal mass of a component of the cell.
+    inverse_cell_mass: f64,
     numbers: Vec<f64>,
     factor: LdlFactor,
     /// The positions last seen, and the rods there.
@@ -62,7 +71,18 @@ struct RodGeometry {
     corners: [Vector; 2],
     /// Vector from the second square to its periodic image.
     shift: Vector,
+    /// Image and cell of a rod that crosses the edges of a flexible cell.
+    crossing: Option<Crossing>,
     length: f64,
+}
+
+/// A rod across the edges of a flexible cell.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    /// The image n of the second square.
+    image: Vector,
+    /// The first of the coordinates of the cell.
+    place: usize,
 }
 
 /// The product of two blocks of J that share a square.
@@ -73,19 +93,43 @@ struct Product {
     blocks: [u32; 2],
 }
 
+/// The product of the entries of two rods for the cell.
+#[derive(Debug, Clone, Copy)]
+struct CellProduct {
+    entry: u32,
+    rods: [u32; 2],
+}
+
+impl Crossing {
+    /// The cell, or its rate, among the coordinates or velocities.
+    fn cell(&self, coordinates: &[f64]) -> Cell {
+        let place = self.place;
+        Cell {
+            xx: coordinates[place],
+            yy: coordinates[place + 1],
+            xy: coordinates[place + 2],
+        }
+    }
+
+    /// ∂σ/∂H of a rod with this row.
+    fn row(&self, row: &[[f64; 3]; 2]) -> [f64; 3] {
+        // The second square has the sign of H n.
+        cell_gradient([row[1][0], row[1][1]], self.image)
+    }
+}
+
 impl RodGeometry {
     fn new(network: &Network, rod: &Rod) -> Self {
-        let cell = network.cell.unwrap_or([0.0; 2]);
+        let image = rod.image.map(f64::from);
+        let crosses = |place| (rod.image != [0, 0]).then_some(Crossing { image, place });
         Self {
             squares: [rod.from.square, rod.to.square],
             corners: [
                 corner_at_rest(network, rod.from),
                 corner_at_rest(network, rod.to),
             ],
-            shift: [
-                f64::from(rod.image[0]) * cell[0],
-                f64::from(rod.image[1]) * cell[1],
-            ],
+            shift: Cell::at_first(network).shift(image),
+            crossing: network.cell_place().and_then(crosses),
             length: rod.length,
         }
     }
@@ -112,10 +156,14 @@ impl RodGeometry {
         let (p, q) = (3 * self.squares[0], 3 * self.squares[1]);
         // v + ω × ρ of both ends, and their difference.
         let (wp, wq) = (velocities[p + 2], velocities[q + 2]);
-        [
+        let rate = [
             velocities[p] - velocities[q] - wp * a[1] + wq * b[1],
             velocities[p + 1] - velocities[q + 1] + wp * a[0] - wq * b[0],
-        ]
+        ];
+        match self.crossing {
+            Some(crossing) => minus(rate, crossing.cell(velocities).shift(crossing.image)),
+            None => rate,
+        }
     }
 }
 
@@ -135,7 +183,10 @@ impl RodSystem {
             rods.push(RodGeometry::new(network, rod));
             places.push(place_in_lattice(network, rod));
         }
-        let (entries, products) = gram_pattern(&blocks_at_squares(&rods, squares));
+        let mut blocks = blocks_at_squares(&rods, squares);
+        blocks.push(first_blocks_across_edges(&rods));
+        let (entries, mut products) = gram_pattern(&blocks);
+        let cell_products = split_off_cell(&mut products, squares);
         let mut inverse_mass = Vec::with_capacity(squares);
         for square in &network.squares {
             inverse_mass.push([1.0 / square.mass, 1.0 / square.inertia]);
@@ -145,12 +196,14 @@ impl RodSystem {
             numbers: vec![0.0; entries.len()],
             factor: LdlFactor::new(rods.len(), &entries, &places),
             // NaN equals nothing, so the first look at any positions computes them.
-            last_positions: vec![f64::NAN; 3 * squares],
+            last_positions: vec![f64::NAN; network.coordinates()],
             spans: vec![Span::default(); rods.len()],
             directions: vec![[0.0; 2]; squares],
             rods,
             inverse_mass,
             products,
+            cell_products,
+            inverse_cell_mass: network.cell_mass.map_or(0.0, f64::recip),
         }
     }
 
@@ -175,7 +228,10 @@ impl RodSystem {
         for (unit_vector, angle) in self.directions.iter_mut().zip(angles(positions)) {
             *unit_vector = direction(angle);
         }
-        for (rod, span) in self.rods.iter().zip(&mut self.spans) {
+        for (rod, span) in self.rods.iter_mut().zip(&mut self.spans) {
+            if let Some(crossing) = rod.crossing {
+                rod.shift = crossing.cell(positions).shift(crossing.image);
+            }
             *span = rod.span(positions, &self.directions);
         }
     }
@@ -224,6 +280,14 @@ impl RodSystem {
                 (a[0] * b[0] + a[1] * b[1]) * per_mass + a[2] * b[2] * per_inertia;
         }
         let rods = &self.rods;
+        for product in &self.cell_products {
+            let [first, second] = product.rods.map(|rod| {
+                let row = &self.rows[rod as usize];
+                let crossing = rods[rod as usize].crossing;
+                crossing.map_or([0.0; 3], |crossing| crossing.row(row))
+            });
+            self.numbers[product.entry as usize] += dot3(&first, &second) * self.inverse_cell_mass;
+        }
         self.factor
             .factor(&self.numbers)
             .map_err(|error| match error {
@@ -253,11 +317,14 @@ impl RodSystem {
         &self.factor
     }
 
-    /// Writes J x into `out`, for a vector x over the squares.
+    /// Writes J x into `out`, for a vector x over the coordinates.
     pub fn apply(&self, x: &[f64], out: &mut [f64]) {
         for ((rod, row), out) in self.rods.iter().zip(&self.rows).zip(out) {
             let [p, q] = rod.squares;
             *out = dot3(&row[0], &x[3 * p..3 * p + 3]) + dot3(&row[1], &x[3 * q..3 * q + 3]);
+            if let Some(crossing) = rod.crossing {
+                *out += dot3(&crossing.row(row), &x[crossing.place..crossing.place + 3]);
+            }
         }
     }
 
@@ -273,6 +340,13 @@ impl RodSystem {
                 target[1] += force * per_mass * j[1];
                 target[2] += force * per_inertia * j[2];
             }
+            if let Some(crossing) = rod.crossing {
+                let force = force * self.inverse_cell_mass;
+                let target = &mut target[crossing.place..crossing.place + 3];
+                for (target, j) in target.iter_mut().zip(crossing.row(row)) {
+                    *target += force * j;
+                }
+            }
         }
     }
 
@@ -287,8 +361,12 @@ impl RodSystem {
             let [vx, vy] = rod.span_rate(arms, velocities);
             let u = [row[0][0], row[0][1]];
             // -J a, the centripetal terms of the arms, and that of the turning rod.
-            let of_forces =
+            let mut of_forces =
                 dot3(&row[0], &accelerations[p..p + 3]) + dot3(&row[1], &accelerations[q..q + 3]);
+            if let Some(crossing) = rod.crossing {
+                let of_cell = &accelerations[crossing.place..crossing.place + 3];
+                of_forces += dot3(&crossing.row(row), of_cell);
+            }
             *out = -of_forces - (vx * vx + vy * vy) / rod.length + wp * wp * dot(u, arms[0])
                 - wq * wq * dot(u, arms[1]);
         }
@@ -334,6 +412,33 @@ fn blocks_at_squares(rods: &[RodGeometry], squares: usize) -> Vec<Vec<u32>> {
         }
     }
     at_squares
+}
+
+/// One block of every rod that hangs on the flexible cell.
+fn first_blocks_across_edges(rods: &[RodGeometry]) -> Vec<u32> {
+    let mut blocks = Vec::new();
+    for (index, rod) in rods.iter().enumerate() {
+        if rod.crossing.is_some() {
+            blocks.push(2 * index as u32);
+        }
+    }
+    blocks
+}
+
+/// Takes out the products of the cell, which comes after the last square.
+fn split_off_cell(products: &mut Vec<Product>, squares: usize) -> Vec<CellProduct> {
+    let mut cell_products = Vec::new();
+    products.retain(|product| {
+        let is_cell = product.square as usize == squares;
+        if is_cell {
+            cell_products.push(CellProduct {
+                entry: product.entry,
+                rods: product.blocks.map(|block| block / 2),
+            });
+        }
+        !is_cell
+    });
+    cell_products
 }
 
 /// The places of A's lower triangle, and which products of blocks of J add up to each.

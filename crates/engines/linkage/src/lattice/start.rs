@@ -163,7 +163,7 @@ impl Start {
         Ok(Started {
             angle_spread_drawn,
             angle_spread_reached: incoherent_spread(network, &state.positions),
-            sum_of_squares: sum_of_squares(&state.velocities),
+            sum_of_squares: sum_of_squares(network, &state.velocities),
             discarded_draws: 0,
             state,
         })
@@ -261,7 +261,7 @@ impl Start {
         Ok(Started {
             angle_spread_drawn: 0.0,
             angle_spread_reached: incoherent_spread(network, &state.positions),
-            sum_of_squares: sum_of_squares(&state.velocities),
+            sum_of_squares: sum_of_squares(network, &state.velocities),
             discarded_draws: 0,
             state,
         })
@@ -314,7 +314,7 @@ impl Start {
             }
             StartVelocities::Checkerboard { rate } => coherent_velocities(network, rate, state),
             StartVelocities::Uniform { largest, .. } => {
-                for velocity in state.velocities.chunks_exact_mut(3) {
+                for velocity in of_squares(network, &mut state.velocities) {
                     velocity[2] = rng.uniform_in(-largest, largest);
                 }
             }
@@ -322,14 +322,14 @@ impl Start {
                 if rate != 0.0 {
                     coherent_velocities(network, rate, state);
                 }
-                for velocity in state.velocities.chunks_exact_mut(3) {
+                for velocity in of_squares(network, &mut state.velocities) {
                     velocity[2] += spread * rng.normal();
                 }
             }
         }
         projector.velocities(&state.positions, &mut state.velocities)?;
         match self.velocities.wanted_sum_of_squares() {
-            Some(wanted) => scale_to(wanted, &mut state.velocities),
+            Some(wanted) => scale_to(network, wanted, &mut state.velocities),
             None => Ok(()),
         }
     }
@@ -351,14 +351,22 @@ impl StartVelocities {
 /// cos(θ - π/4) + r0,
 ///
 /// ẋ = (j - mean j) ḋ, ẏ = (mean i - i) ḋ, ḋ = -2 l sin(θ - π/4) rate.
+///
+/// The edges of a flexible cell follow as well.
 pub fn coherent_velocities(network: &Network, rate: f64, state: &mut State) {
     let [_, angle] = coherent_part(network, &state.positions);
     let opening = -2.0 * network.first_half_diagonal() * (angle - FRAC_PI_4).sin() * rate;
-    for (p, velocity) in state.velocities.chunks_exact_mut(3).enumerate() {
+    for (p, velocity) in of_squares(network, &mut state.velocities).enumerate() {
         let [right, up] = from_middle(network, p);
         velocity[0] = right * opening;
         velocity[1] = up * opening;
         velocity[2] = network.sign(p) * rate;
+    }
+    if let Some(place) = network.cell_place() {
+        let edges = [network.columns as f64, network.rows as f64, 0.0];
+        for (velocity, squares) in state.velocities[place..].iter_mut().zip(edges) {
+            *velocity = squares * opening;
+        }
     }
 }
 
@@ -395,8 +403,8 @@ fn require_apart(network: &Network, state: &State) -> Result<()> {
     detector.check_no_overlap(network, &state.positions, state.time)
 }
 
-fn scale_to(wanted: f64, velocities: &mut [f64]) -> Result<()> {
-    let factor = (wanted / sum_of_squares(velocities)).sqrt();
+fn scale_to(network: &Network, wanted: f64, velocities: &mut [f64]) -> Result<()> {
+    let factor = (wanted / sum_of_squares(network, velocities)).sqrt();
     if !factor.is_finite() {
         return Err(CrystalError::BadState(
             "the squares do not turn, so Σ ω² cannot be scaled; give the velocities a spread or \
@@ -411,8 +419,17 @@ fn scale_to(wanted: f64, velocities: &mut [f64]) -> Result<()> {
 }
 
 /// Σ ω².
-fn sum_of_squares(velocities: &[f64]) -> f64 {
-    angles(velocities).map(|omega| omega * omega).sum()
+fn sum_of_squares(network: &Network, velocities: &[f64]) -> f64 {
+    let spins = angles(velocities).take(network.squares.len());
+    spins.map(|omega| omega * omega).sum()
+}
+
+/// ẋ, ẏ, ω of every square, without a flexible cell.
+fn of_squares<'a>(
+    network: &Network,
+    velocities: &'a mut [f64],
+) -> impl Iterator<Item = &'a mut [f64]> {
+    velocities.chunks_exact_mut(3).take(network.squares.len())
 }
 
 #[cfg(test)]

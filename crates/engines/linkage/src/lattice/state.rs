@@ -1,11 +1,13 @@
 //! Where everything is and how it moves.
 
+use super::cell::Cell;
 use super::network::{Network, Square, spacing};
 use crate::plane::cross;
 use crate::{CrystalError, Result};
 use serde::{Deserialize, Serialize};
 
-/// Positions and velocities: x, y, θ of square after square in one array.
+/// Positions and velocities: x, y, θ of square after square in one array, and the components of a
+/// flexible [`cell`](super::cell) after them.
 ///
 /// ```
 /// use protomer_linkage::lattice::{Edges, Network, Square, State};
@@ -21,9 +23,9 @@ use serde::{Deserialize, Serialize};
 pub struct State {
     /// Time.
     pub time: f64,
-    /// x, y, θ per square.
+    /// x, y, θ per square; H_xx, H_yy, H_xy of a flexible cell.
     pub positions: Vec<f64>,
-    /// ẋ, ẏ, ω per square.
+    /// ẋ, ẏ, ω per square; Ḣ_xx, Ḣ_yy, Ḣ_xy of a flexible cell.
     pub velocities: Vec<f64>,
 }
 
@@ -61,12 +63,16 @@ impl State {
     pub fn coherent(network: &Network, angle: f64) -> Self {
         let length = network.rods.first().map_or(0.0, |rod| rod.length);
         let distance = spacing(length, network.first_half_diagonal(), angle);
-        let mut positions = Vec::with_capacity(3 * network.squares.len());
+        let mut positions = Vec::with_capacity(network.coordinates());
         for p in 0..network.squares.len() {
             let [right, up] = from_middle(network, p);
             positions.push(right * distance);
             positions.push(up * distance);
             positions.push(network.sign(p) * angle);
+        }
+        if network.cell_mass.is_some() {
+            let (columns, rows) = (network.columns as f64, network.rows as f64);
+            positions.extend([columns * distance, rows * distance, 0.0]);
         }
         let velocities = vec![0.0; positions.len()];
         Self {
@@ -93,7 +99,7 @@ impl State {
     /// names the square.
     pub fn check(&self, network: &Network) -> Result<()> {
         let squares = network.squares.len();
-        let expected = 3 * squares;
+        let expected = network.coordinates();
         for (name, array) in [
             ("positions", &self.positions),
             ("velocities", &self.velocities),
@@ -101,8 +107,12 @@ impl State {
             if array.len() != expected {
                 return Err(CrystalError::BadState(format!(
                     "{name} has {} numbers; {squares} squares need {expected}: x, y and angle of \
-                     each",
-                    array.len()
+                     each{}",
+                    array.len(),
+                    match network.cell_mass {
+                        Some(_) => ", and xx, yy and xy of the flexible cell",
+                        None => "",
+                    }
                 )));
             }
             if let Some(index) = array.iter().position(|number| !number.is_finite()) {
@@ -115,7 +125,7 @@ impl State {
         Ok(())
     }
 
-    /// Kinetic energy, ½ Σ (m |v|² + I ω²).
+    /// Kinetic energy, ½ Σ (m |v|² + I ω²), with ½ W Σ Ḣ² of a flexible cell.
     ///
     /// ```
     /// use protomer_linkage::lattice::{Edges, Network, Square, State};
@@ -132,6 +142,11 @@ impl State {
         for (square, _, v) in self.of_squares(network) {
             let translation = square.mass * (v[0] * v[0] + v[1] * v[1]);
             energy += 0.5 * (translation + square.inertia * v[2] * v[2]);
+        }
+        if let Some(mass) = network.cell_mass {
+            for rate in Cell::rate(network, &self.velocities).components() {
+                energy += 0.5 * mass * rate * rate;
+            }
         }
         energy
     }

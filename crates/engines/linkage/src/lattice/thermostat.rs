@@ -26,6 +26,8 @@
 //! With elastic collisions the middle step is that of an [`Engine`](super::Engine);
 //! [`Langevin::before`] and [`Langevin::after`] then take its [`dynamics`](super::Engine::dynamics).
 //!
+//! A flexible [`cell`](super::cell) has friction and noise like a square, with its own mass.
+//!
 //! The noise is counter-based: it is a function of seed, replica, step and square. A run resumed
 //! from its state and the number of its step continues bit for bit.
 
@@ -177,6 +179,14 @@ impl Langevin {
             velocity[0] = decay * velocity[0] + per_mass * x;
             velocity[1] = decay * velocity[1] + per_mass * y;
             velocity[2] = decay * velocity[2] + amplitude / square.inertia.sqrt() * angle;
+        }
+        let network = dynamics.network();
+        if let (Some(mass), Some(place)) = (network.cell_mass, network.cell_place()) {
+            let ([xx, yy], [xy, _]) = (rng.normal_pair(), rng.normal_pair());
+            let per_mass = amplitude / mass.sqrt();
+            for (velocity, noise) in velocities[place..].iter_mut().zip([xx, yy, xy]) {
+                *velocity = decay * *velocity + per_mass * noise;
+            }
         }
         // P: what would change the lengths of rods is removed, from noise as from friction.
         dynamics.velocities_changed(velocities);

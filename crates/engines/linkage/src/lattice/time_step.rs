@@ -78,7 +78,8 @@ fn fastest_turning(dynamics: &mut Dynamics, state: &State, kt: f64) -> f64 {
         .rods()
         .largest_turning_rate(&state.positions, &state.velocities);
     let network = dynamics.network();
-    let spin = angles(&state.velocities).fold(0.0_f64, |most, omega| most.max(omega.abs()));
+    let spins = angles(&state.velocities).take(network.squares.len());
+    let spin = spins.fold(0.0_f64, |most, omega| most.max(omega.abs()));
     let most_energy = state.kinetic_energy(network) + dynamics.potential_energy().max(0.0);
     let (mut largest, mut inertia) = (0.0_f64, 0.0);
     let mut lightest = f64::INFINITY;

@@ -9,6 +9,7 @@
 )]
 
 mod analysis;
+mod cell;
 mod collisions;
 mod collisions_paper;
 mod collisions_reference;

@@ -36,7 +36,7 @@ pub struct Detector {
     stops: Vec<Watch>,
     /// Value of `travelled` at which each pair, and then each stop, needs a look.
     due: Vec<f64>,
-    /// Twice the farthest travel of a square since the list was made.
+    /// Twice the farthest travel of a square or an image since the list was made.
     travelled: f64,
     /// Watches whose gaps can have closed in the last step looked at.
     hot: Vec<Hot>,
@@ -192,7 +192,8 @@ impl Detector {
     /// Finds what closes on the path from this state to `next`: fills `hot` and `roots`.
     fn scan(&mut self, network: &Network, state: &State, next: &[f64], step: f64) -> Result<()> {
         let path = Path::new(network, state, next, step);
-        let travel = path.travel();
+        let images = self.candidates.listed_images(network);
+        let travel = path.travel(images);
         if !travel.is_finite() {
             let is_wrong = |number: &f64| !number.is_finite();
             return Err(CrystalError::NotFinite {
@@ -201,7 +202,7 @@ impl Detector {
             });
         }
         // The list was made for bodies that move less: it must hold to the end of this step.
-        if !self.candidates.holds(&state.positions, travel) {
+        if !self.candidates.holds(network, &state.positions, travel) {
             // Free squares may be fast: the list then reaches farther.
             let skin = self.skin.max(SKIN_PER_TRAVEL * travel);
             self.candidates.set_skin(skin);

@@ -7,6 +7,7 @@
 use super::march::{End, Probe, first_root};
 use super::watch::{Watch, bodies, stop};
 use crate::lattice::State;
+use crate::lattice::cell::Cell;
 use crate::lattice::contact::candidates::{Body, Pair};
 use crate::lattice::contact::separation::{Moving, Rectangle, along_axes, time_to_next_corner};
 use crate::lattice::network::Network;
@@ -71,8 +72,8 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// The farthest that a point of any square can go.
-    pub fn travel(&self) -> f64 {
+    /// The farthest that a point of any square can go, or of its image up to so many cells away.
+    pub fn travel(&self, images: [f64; 2]) -> f64 {
         let mut farthest = 0.0_f64;
         for (p, square) in self.network.squares.iter().enumerate() {
             let (bend, v) = (self.bend(p), &self.velocities[3 * p..3 * p + 3]);
@@ -86,7 +87,28 @@ impl<'a> Path<'a> {
             }
             farthest = farthest.max(travel);
         }
-        farthest
+        farthest + self.cell_travel(images)
+    }
+
+    /// The farthest that the image of a body at rest can go, up to so many cells away.
+    fn cell_travel(&self, [right, up]: [f64; 2]) -> f64 {
+        let Some(place) = self.network.cell_place() else {
+            return 0.0;
+        };
+        let bend = self.bend(self.network.squares.len());
+        let rates = &self.velocities[place..];
+        let [xx, yy, xy] = [0, 1, 2].map(|axis| rates[axis].abs() * self.length + bend[axis].abs());
+        right * xx + up * (yy + xy)
+    }
+
+    /// The largest acceleration of an image of a body at rest.
+    fn image_acceleration(&self, image: [i32; 2]) -> f64 {
+        if image == [0, 0] || self.network.cell_mass.is_none() {
+            return 0.0;
+        }
+        let [xx, yy, xy] = self.bend(self.network.squares.len());
+        let shift = Cell { xx, yy, xy }.shift(image.map(f64::from));
+        norm(shift) * 2.0 / (self.length * self.length)
     }
 
     /// The time near `time` at which a gap that changes at `rate` closes on the path of third order
@@ -153,7 +175,8 @@ impl<'a> Path<'a> {
             Body::Square(p) => return self.limits(p),
             Body::Rod(r) => self.network.rods[r],
         };
-        let ends = [rod.from.square, rod.to.square].map(|p| self.corner_acceleration(p));
+        let mut ends = [rod.from.square, rod.to.square].map(|p| self.corner_acceleration(p));
+        ends[1] += self.image_acceleration(rod.image);
         let bend = (ends[0] + ends[1]) / rod.length;
         let spin = 1.5 * (moving.spin.abs() + bend * self.length);
         Limits {
@@ -168,7 +191,8 @@ impl<'a> Path<'a> {
         // Bounds of the parts of m'': pull, Coriolis, turning axis, turning body.
         let first = self.body_limits(Body::Square(pair.first), a);
         let second = self.body_limits(pair.second, b);
-        let pull = first.acceleration + second.acceleration;
+        let of_image = self.image_acceleration(pair.image);
+        let pull = first.acceleration + second.acceleration + of_image;
         let speed = norm(minus(a.velocity, b.velocity)) + pull * self.length;
         let distance = norm(minus(a.centre, b.centre)) + speed * self.length;
         let spin = first.spin.max(second.spin);
@@ -204,7 +228,9 @@ impl<'a> Path<'a> {
     fn march_stop(&self, rod: usize, end: u8) -> End {
         let ends = self.network.rods[rod];
         let (near, far) = (ends.corner_at(end).square, ends.corner_at(1 - end).square);
-        let pull = self.corner_acceleration(near) + self.corner_acceleration(far);
+        let pull = self.corner_acceleration(near)
+            + self.corner_acceleration(far)
+            + self.image_acceleration(ends.image);
         let body = Rectangle::rod(self.network, rod, self.state(0.0));
         let limits = self.limits(near);
         let speed = body.spin.abs() * ends.length + pull * self.length;

@@ -3,11 +3,11 @@
 use super::detection::Detector;
 use super::response::{check_restitution, impact};
 use crate::error::{CrystalError, Result, require_positive};
+use crate::lattice::cell::Cell;
 use crate::lattice::contact::{Contact, TOUCHING, without_repetitions};
 use crate::lattice::network::{Corner, Network};
 use crate::lattice::rods::RodSystem;
 use crate::lattice::{Dynamics, State};
-use crate::plane::Vector;
 
 /// Time left to a goal counts as none below this share of a step.
 const REACHED: f64 = 1e-12;
@@ -188,23 +188,24 @@ fn touch(
             squares - 1
         )));
     }
-    let shift = to_nearest_image(network, positions, striker, target);
+    let image = nearest_image(network, positions, striker, target);
     let striker = Corner {
         square: striker,
         vertex: vertex as u8,
     };
     Ok(Contact::of_corner(
-        network, positions, striker, target, shift,
+        network, positions, striker, target, image,
     ))
 }
 
-/// Vector from the target to its image that is nearest to the striker.
-fn to_nearest_image(network: &Network, positions: &[f64], striker: usize, target: usize) -> Vector {
-    let Some(cell) = network.cell else {
-        return [0.0; 2];
-    };
-    [0, 1].map(|axis| {
-        let away = positions[3 * striker + axis] - positions[3 * target + axis];
-        (away / cell[axis]).round() * cell[axis]
-    })
+/// The image of the target that is nearest to the striker.
+fn nearest_image(network: &Network, positions: &[f64], striker: usize, target: usize) -> [i32; 2] {
+    if network.cell.is_none() {
+        return [0; 2];
+    }
+    let cell = Cell::read(network, positions);
+    let [x, y] = [0, 1].map(|axis| positions[3 * striker + axis] - positions[3 * target + axis]);
+    let up = (y / cell.yy).round();
+    let right = ((x - up * cell.xy) / cell.xx).round();
+    [right as i32, up as i32]
 }

@@ -102,10 +102,10 @@ pub(crate) fn constrained_response(
 ) -> Vec<f64> {
     let mut column = vec![0.0; coordinates];
     for (p, n) in row.entries() {
-        let square = network.squares[p];
-        column[3 * p] = n[0] / square.mass;
-        column[3 * p + 1] = n[1] / square.mass;
-        column[3 * p + 2] = n[2] / square.inertia;
+        let inertia = network.inertia_per_coordinate(p);
+        for axis in 0..3 {
+            column[3 * p + axis] = n[axis] / inertia[axis];
+        }
     }
     // M⁻¹ n less what would change the rods: S n.
     let mut multipliers = vec![0.0; rods.len()];

@@ -2,9 +2,9 @@
 
 use crate::CrystalError;
 use crate::lattice::contact::candidates::{Body, Pair};
-use crate::lattice::contact::layout::{Layout, rod_shift, sides_at};
+use crate::lattice::contact::layout::{Layout, sides_at};
 use crate::lattice::contact::separation::{
-    Along, Moving, Rectangle, at_rest, corner_in_motion, separation,
+    Along, Moving, Rectangle, at_rest, corner_in_motion, separation, shift_in_motion,
 };
 use crate::lattice::contact::{Contact, TOUCHING};
 use crate::lattice::network::{Corner, Network};
@@ -80,16 +80,17 @@ impl Watch {
             Self::Pair(Pair {
                 first,
                 second: Body::Square(second),
-                shift,
+                image,
             }) => {
-                add_corners_on(&layout, first, second, shift, out);
-                add_corners_on(&layout, second, first, [-shift[0], -shift[1]], out);
+                let back = image.map(|cells| -cells);
+                add_corners_on(&layout, first, second, image, out);
+                add_corners_on(&layout, second, first, back, out);
             }
             Self::Pair(Pair {
                 first,
                 second: Body::Rod(rod),
-                shift,
-            }) => add_corners_on_rod(&layout, first, rod, shift, out),
+                image,
+            }) => add_corners_on_rod(&layout, first, rod, image, out),
             Self::Stop { rod, end } => {
                 let [x, y] = stop(network, rod, end, at_rest(positions));
                 let [first, second] = sides_at(network.rods[rod].corner_at(end));
@@ -128,7 +129,8 @@ pub(super) fn bodies(
         Body::Rod(r) => Rectangle::rod(network, r, motion),
     };
     let first = Rectangle::square(network, pair.first, motion);
-    (first, second.moved(pair.shift))
+    let shift = shift_in_motion(network, pair.image, motion);
+    (first, second.moved(shift))
 }
 
 /// The far end of a rod over the lines of the two sides that meet where it hangs.
@@ -140,15 +142,13 @@ pub(super) fn stop(
 ) -> [Along; 2] {
     let ends = network.rods[rod];
     let (near, far) = (ends.corner_at(end), ends.corner_at(1 - end));
+    let (shift, shift_rate) = shift_in_motion(network, ends.image, &motion);
     let near_motion = motion(near.square);
     let (near_place, near_rate) = corner_in_motion(network, near, near_motion);
     let (far_place, far_rate) = corner_in_motion(network, far, motion(far.square));
     let sign = if end == 0 { 1.0 } else { -1.0 };
-    let rod_vector = plus(
-        minus(far_place, near_place),
-        scaled(rod_shift(network, rod), sign),
-    );
-    let speed = minus(far_rate, near_rate);
+    let rod_vector = plus(minus(far_place, near_place), scaled(shift, sign));
+    let speed = plus(minus(far_rate, near_rate), scaled(shift_rate, sign));
     let (axis, spin) = (direction(near_motion.0[2]), near_motion.1[2]);
     let [x, y] = near.direction().map(f64::signum);
     [scaled(axis, x), scaled(left_of(axis), y)].map(|normal| {
@@ -167,15 +167,17 @@ fn add_corners_on(
     layout: &Layout,
     striker: usize,
     target: usize,
-    shift: Vector,
+    image: [i32; 2],
     out: &mut Vec<Contact>,
 ) {
-    let body = Rectangle::square(layout.network, target, at_rest(layout.positions)).moved(shift);
+    let at_rest = at_rest(layout.positions);
+    let shift = shift_in_motion(layout.network, image, at_rest);
+    let body = Rectangle::square(layout.network, target, at_rest).moved(shift);
     for corner in corners_of(striker) {
         if height_above(&body, layout.place(corner)) <= TOUCHING {
             let (network, positions) = (layout.network, layout.positions);
             out.push(Contact::of_corner(
-                network, positions, corner, target, shift,
+                network, positions, corner, target, image,
             ));
         }
     }
@@ -198,12 +200,12 @@ fn add_corners_on_rod(
     layout: &Layout,
     square: usize,
     rod: usize,
-    shift: Vector,
+    image: [i32; 2],
     out: &mut Vec<Contact>,
 ) {
     // At the very end of a rod there is a corner, and that has its own contacts.
     const INSIDE: Range<f64> = TOUCHING..1.0 - TOUCHING;
-    let line = RodLine::new(layout.rod_ends(rod));
+    let (line, shift) = (RodLine::new(layout.rod_ends(rod)), layout.shift(image));
     let (height, _) = line.height_and_share(minus(layout.centre(square), shift));
     let left = height > 0.0;
     for striker in corners_of(square) {
@@ -214,7 +216,7 @@ fn add_corners_on_rod(
                 striker,
                 rod,
                 left,
-                shift,
+                image,
             });
         }
     }

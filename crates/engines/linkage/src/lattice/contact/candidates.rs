@@ -5,8 +5,8 @@
 //! every image that is near enough is a separate pair.
 
 use super::grid::{Grid, Image};
-use super::layout::rod_shift;
 use super::separation::{Rectangle, at_rest};
+use crate::lattice::cell::Cell;
 use crate::lattice::network::Network;
 use crate::plane::{Vector, dot, minus, plus};
 use std::cmp::Ordering;
@@ -28,8 +28,8 @@ pub struct Pair {
     /// Body that the square could meet: a square of a higher index (or its own image), or a rod
     /// that does not hang on it.
     pub second: Body,
-    /// Vector from the second body to the image of it that is meant.
-    pub shift: [f64; 2],
+    /// The image of the second body that is meant, in cells along x and y.
+    pub image: [i32; 2],
 }
 
 /// All pairs within reach.
@@ -43,6 +43,10 @@ pub struct Candidates {
     /// Centres and radii of squares, then of rods.
     middles: Vec<Vector>,
     radii: Vec<f64>,
+    /// The cell when the list was made.
+    cell: Cell,
+    /// Images within reach, in cells along x and y, or more.
+    farthest_image: Vector,
     rebuilds: u64,
 }
 
@@ -56,6 +60,8 @@ impl Candidates {
             reference: Vec::new(),
             middles: Vec::new(),
             radii: Vec::new(),
+            cell: Cell::default(),
+            farthest_image: [0.0; 2],
             rebuilds: 0,
         };
         list.rebuild(network, positions);
@@ -67,15 +73,38 @@ impl Candidates {
         &self.pairs
     }
 
+    /// Largest distance, in cells along x and y, of an image of a pair or of the end of a rod.
+    pub(crate) fn listed_images(&self, network: &Network) -> [f64; 2] {
+        let mut farthest = [0_i32; 2];
+        if network.cell_mass.is_none() {
+            return [0.0; 2];
+        }
+        let of_rods = network.rods.iter().map(|rod| rod.image);
+        for image in of_rods.chain(self.pairs.iter().map(|pair| pair.image)) {
+            for (farthest, cells) in farthest.iter_mut().zip(image) {
+                *farthest = (*farthest).max(cells.abs());
+            }
+        }
+        farthest.map(f64::from)
+    }
+
     /// Number of times the list was made.
     pub fn rebuilds(&self) -> u64 {
         self.rebuilds
     }
 
     /// Whether the list still holds where every centre is within `margin` of these positions.
-    pub fn holds(&self, positions: &[f64], margin: f64) -> bool {
-        // Bodies may each move by half the skin, less what they will move in the step.
-        let allowed = 0.5 * self.skin - margin;
+    pub fn holds(&self, network: &Network, positions: &[f64], margin: f64) -> bool {
+        // Bodies may each move by half the skin, less what they will move in the step. An image
+        // moves with the cell as well, and so does the end of a rod.
+        let strained = match network.cell_mass {
+            Some(_) => {
+                let cell = Cell::read(network, positions);
+                cell.largest_shift_since(&self.cell, self.farthest_image)
+            }
+            None => 0.0,
+        };
+        let allowed = 0.5 * self.skin - margin - strained;
         if allowed.is_nan() || allowed <= 0.0 {
             return false;
         }
@@ -84,7 +113,8 @@ impl Candidates {
         let turning = if self.with_rods { 1.0 } else { 0.0 };
         let moving = positions
             .chunks_exact(3)
-            .zip(self.reference.chunks_exact(3));
+            .zip(self.reference.chunks_exact(3))
+            .take(network.squares.len());
         for (s, r) in moving {
             let away = [s[0] - r[0], s[1] - r[1]];
             // A turn by θ moves a corner by 2 sin(θ/2) ≤ min(θ, 2) half-diagonals.
@@ -109,7 +139,11 @@ impl Candidates {
         self.measure_bodies(network, positions);
         let squares = network.squares.len();
         let largest = largest_of(&self.radii[..squares]) + largest_of(&self.radii);
-        let grid = Grid::new(&self.middles, largest + self.skin, network.cell);
+        let reach = largest + self.skin;
+        self.cell = Cell::read(network, positions);
+        self.farthest_image = self.farthest_image_within(reach);
+        let cell = network.cell.map(|_| self.cell);
+        let grid = Grid::new(&self.middles, reach, cell);
         let (mut near, mut pairs) = (Vec::new(), Vec::new());
         self.pairs.clear();
         for first in 0..squares {
@@ -122,6 +156,22 @@ impl Candidates {
             pairs.sort_by(in_order);
             self.pairs.extend_from_slice(&pairs);
         }
+    }
+
+    /// Bound of the distance, in cells, of an image within reach: the extent of all bodies and one
+    /// more cell.
+    fn farthest_image_within(&self, reach: f64) -> Vector {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for middle in &self.middles {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(middle[axis]);
+                high[axis] = high[axis].max(middle[axis]);
+            }
+        }
+        let up = 1.0 + (high[1] - low[1] + reach) / self.cell.yy;
+        let leaning = up * self.cell.xy.abs();
+        let right = 1.0 + (high[0] - low[0] + reach + leaning) / self.cell.xx;
+        [right, up]
     }
 
     /// Centre and circumscribed radius of every body.
@@ -143,7 +193,8 @@ impl Candidates {
 
     /// The pair of a square and the image of another body, if they are near and the list should
     /// have it.
-    fn pair(&self, network: &Network, first: usize, (body, shift): Image) -> Option<Pair> {
+    fn pair(&self, network: &Network, first: usize, (body, image): Image) -> Option<Pair> {
+        let shift = self.cell.shift(image.map(f64::from));
         let away = minus(plus(self.middles[body], shift), self.middles[first]);
         let within = self.radii[first] + self.radii[body] + self.skin;
         if dot(away, away) > within * within {
@@ -152,16 +203,16 @@ impl Candidates {
         let squares = network.squares.len();
         let (second, is_listed) = if body < squares {
             // Every pair once; of a square and its images, one of each two opposite ones.
-            let once = body > first || (body == first && shift > [0.0, 0.0]);
+            let once = body > first || (body == first && image > [0, 0]);
             (Body::Square(body), once)
         } else {
             let rod = body - squares;
-            (Body::Rod(rod), !hangs_on(network, rod, first, shift))
+            (Body::Rod(rod), !hangs_on(network, rod, first, image))
         };
         is_listed.then_some(Pair {
             first,
             second,
-            shift,
+            image,
         })
     }
 }
@@ -171,20 +222,13 @@ fn largest_of(radii: &[f64]) -> f64 {
 }
 
 fn in_order(a: &Pair, b: &Pair) -> Ordering {
-    a.second
-        .cmp(&b.second)
-        .then(a.shift[0].total_cmp(&b.shift[0]))
-        .then(a.shift[1].total_cmp(&b.shift[1]))
+    (a.second, a.image).cmp(&(b.second, b.image))
 }
 
-/// Whether the image of a rod at this shift ends at a corner of this square.
-fn hangs_on(network: &Network, rod: usize, square: usize, shift: Vector) -> bool {
+/// Whether this image of a rod ends at a corner of this square.
+fn hangs_on(network: &Network, rod: usize, square: usize, image: [i32; 2]) -> bool {
     let ends = network.rods[rod];
-    let end_shift = plus(shift, rod_shift(network, rod));
-    (ends.from.square == square && is_zero(shift))
-        || (ends.to.square == square && is_zero(end_shift))
-}
-
-fn is_zero(shift: Vector) -> bool {
-    shift[0].abs() + shift[1].abs() < 1e-9
+    let end_image = [image[0] + ends.image[0], image[1] + ends.image[1]];
+    (ends.from.square == square && image == [0, 0])
+        || (ends.to.square == square && end_image == [0, 0])
 }

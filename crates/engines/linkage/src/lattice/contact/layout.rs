@@ -1,5 +1,6 @@
 //! Where corners, sides and rods are.
 
+use crate::lattice::cell::Cell;
 use crate::lattice::network::{Corner, Network};
 use crate::plane::{Vector, direction, left_of, minus, plus, turned};
 
@@ -31,9 +32,14 @@ impl<'a> Layout<'a> {
         plus(self.centre(corner.square), self.arm(corner))
     }
 
-    /// Vector from the centre of a square (its image at `shift`) to a point.
-    pub fn seen_from_centre(&self, square: usize, shift: Vector, point: Vector) -> Vector {
-        minus(minus(point, shift), self.centre(square))
+    /// Vector from a body to its image of this number.
+    pub fn shift(&self, image: [i32; 2]) -> Vector {
+        Cell::read(self.network, self.positions).shift(image.map(f64::from))
+    }
+
+    /// Vector from the centre of an image of a square to a point.
+    pub fn seen_from_centre(&self, square: usize, image: [i32; 2], point: Vector) -> Vector {
+        minus(minus(point, self.shift(image)), self.centre(square))
     }
 
     /// The outward normal of a side, 0 to 3: at θ + 0°, 90°, 180°, 270°.
@@ -53,7 +59,7 @@ impl<'a> Layout<'a> {
         let ends = self.network.rods[rod];
         [
             self.place(ends.from),
-            plus(self.place(ends.to), rod_shift(self.network, rod)),
+            plus(self.place(ends.to), self.shift(ends.image)),
         ]
     }
 
@@ -67,13 +73,6 @@ impl<'a> Layout<'a> {
             minus(from, to)
         }
     }
-}
-
-/// Vector from the square at the second end of a rod to the periodic image at which the rod ends.
-pub(crate) fn rod_shift(network: &Network, rod: usize) -> Vector {
-    let cell = network.cell.unwrap_or([0.0; 2]);
-    let image = network.rods[rod].image;
-    [f64::from(image[0]) * cell[0], f64::from(image[1]) * cell[1]]
 }
 
 /// The two sides that meet at a corner.

@@ -38,7 +38,7 @@ const HEAD_ON: f64 = 10.0 * TOUCHING;
 /// let mut positions = State::coherent(&network, 0.0).positions;
 /// positions[0] += 0.5;
 /// let upper_right = Corner { square: 0, vertex: 2 };
-/// let contact = Contact::of_corner(&network, &positions, upper_right, 1, [0.0, 0.0]);
+/// let contact = Contact::of_corner(&network, &positions, upper_right, 1, [0, 0]);
 /// assert!(contact.gap(&network, &positions).abs() < 1e-12);
 /// # Ok::<(), protomer_linkage::CrystalError>(())
 /// ```
@@ -52,8 +52,8 @@ pub enum Contact {
         target: usize,
         /// The side, 0 to 3: outward normal at θ + 0°, 90°, 180°, 270°.
         side: u8,
-        /// Vector from the target to the periodic image of it that is struck.
-        shift: [f64; 2],
+        /// The periodic image of the target that is struck, in cells along x and y.
+        image: [i32; 2],
     },
     /// Two corners head on. The normal is the bisector ρ_target - ρ_striker.
     VertexVertex {
@@ -61,8 +61,8 @@ pub enum Contact {
         striker: Corner,
         /// The other corner.
         target: Corner,
-        /// Vector from the target to the periodic image of it that is struck.
-        shift: [f64; 2],
+        /// The periodic image of the target that is struck, in cells along x and y.
+        image: [i32; 2],
     },
     /// A corner of a square on a rod. The rod has no mass: it passes the impulse on to its two
     /// ends, split by the lever.
@@ -73,8 +73,8 @@ pub enum Contact {
         rod: usize,
         /// Whether the corner is on the left of the rod (seen along it) or on its right.
         left: bool,
-        /// Vector from the rod to the periodic image of it that is struck.
-        shift: [f64; 2],
+        /// The periodic image of the rod that is struck.
+        image: [i32; 2],
     },
     /// A rod flat along a side of the square on which it hangs: 135° from the diagonal.
     RodStop {
@@ -88,17 +88,17 @@ pub enum Contact {
 }
 
 impl Contact {
-    /// The touch of the corner `striker` and the square `target` (its image at `shift`): on a corner
+    /// The touch of the corner `striker` and the square `target` (this image of it): on a corner
     /// of the target where it is at one, else on the nearest side.
     pub fn of_corner(
         network: &Network,
         positions: &[f64],
         striker: Corner,
         target: usize,
-        shift: [f64; 2],
+        image: [i32; 2],
     ) -> Self {
         let layout = Layout::new(network, positions);
-        let from_target = layout.seen_from_centre(target, shift, layout.place(striker));
+        let from_target = layout.seen_from_centre(target, image, layout.place(striker));
         let half_diagonal = network.squares[target].half_diagonal;
         // A corner at a corner has no side: the bisector is its normal.
         for vertex in 1..=4 {
@@ -111,7 +111,7 @@ impl Contact {
                 return Self::VertexVertex {
                     striker,
                     target: corner,
-                    shift,
+                    image,
                 };
             }
         }
@@ -119,7 +119,7 @@ impl Contact {
             striker,
             target,
             side: nearest_side(&layout, target, from_target),
-            shift,
+            image,
         }
     }
 
@@ -131,9 +131,9 @@ impl Contact {
                 striker,
                 target,
                 side,
-                shift,
+                image,
             } => {
-                let from_target = layout.seen_from_centre(target, shift, layout.place(striker));
+                let from_target = layout.seen_from_centre(target, image, layout.place(striker));
                 let apothem = network.squares[target].half_diagonal * FRAC_1_SQRT_2;
                 // Half the side: the distance of a side from the centre.
                 dot(from_target, layout.side_normal(target, side)) - apothem
@@ -141,10 +141,10 @@ impl Contact {
             Self::VertexVertex {
                 striker,
                 target,
-                shift,
+                image,
             } => {
                 let place = layout.place(striker);
-                let from_target = layout.seen_from_centre(target.square, shift, place);
+                let from_target = layout.seen_from_centre(target.square, image, place);
                 let (rho, striker_arm) = (layout.arm(target), layout.arm(striker));
                 dot(minus(from_target, rho), unit(minus(rho, striker_arm)))
             }
@@ -152,10 +152,10 @@ impl Contact {
                 striker,
                 rod,
                 left,
-                shift,
+                image,
             } => {
                 let [begin, end] = layout.rod_ends(rod);
-                let from_begin = minus(minus(layout.place(striker), shift), begin);
+                let from_begin = minus(minus(layout.place(striker), layout.shift(image)), begin);
                 dot(from_begin, rod_normal(minus(end, begin), left))
             }
             Self::RodStop { rod, end, side } => {
@@ -176,26 +176,33 @@ impl Contact {
                 striker,
                 target,
                 side,
-                shift,
+                image,
             } => {
                 let normal = layout.side_normal(target, side);
-                let from_target = layout.seen_from_centre(target, shift, layout.place(striker));
+                let from_target = layout.seen_from_centre(target, image, layout.place(striker));
                 let arms = [layout.arm(striker), from_target];
-                Row::along([striker.square, target], normal, arms)
+                let mut row = Row::along([striker.square, target], normal, arms);
+                row.push_image(network, normal, opposite(image));
+                row
             }
             Self::VertexVertex {
-                striker, target, ..
+                striker,
+                target,
+                image,
             } => {
                 let (rho, striker_arm) = (layout.arm(target), layout.arm(striker));
                 let normal = unit(minus(rho, striker_arm));
-                Row::along([striker.square, target.square], normal, [striker_arm, rho])
+                let squares = [striker.square, target.square];
+                let mut row = Row::along(squares, normal, [striker_arm, rho]);
+                row.push_image(network, normal, opposite(image));
+                row
             }
             Self::RodCorner {
                 striker,
                 rod,
                 left,
-                shift,
-            } => rod_corner_row(&layout, striker, rod, left, shift),
+                image,
+            } => rod_corner_row(&layout, striker, rod, left, image),
             Self::RodStop { rod, end, side } => rod_stop_row(&layout, rod, end, side),
         }
     }
@@ -207,20 +214,20 @@ impl Contact {
             Self::VertexVertex {
                 striker,
                 target,
-                shift,
+                image,
             },
             Self::VertexVertex {
                 striker: of_other,
                 target: by_other,
-                shift: back,
+                image: back,
             },
         ) = (self, other)
         else {
             return self == other;
         };
-        let opposite = (shift[0] + back[0]).abs() + (shift[1] + back[1]).abs() < 1e-9;
-        let seen_from_either = striker == by_other && target == of_other && opposite;
-        let the_same = striker == of_other && target == by_other && shift == back;
+        let are_opposite = *image == back.map(|cells| -cells);
+        let seen_from_either = striker == by_other && target == of_other && are_opposite;
+        let the_same = striker == of_other && target == by_other && image == back;
         seen_from_either || the_same
     }
 }
@@ -243,11 +250,17 @@ fn rod_normal(rod_vector: Vector, left: bool) -> Vector {
 }
 
 /// The impulse on a rod goes to its ends in the shares of the lever rule.
-fn rod_corner_row(layout: &Layout, striker: Corner, rod: usize, left: bool, shift: Vector) -> Row {
+fn rod_corner_row(
+    layout: &Layout,
+    striker: Corner,
+    rod: usize,
+    left: bool,
+    image: [i32; 2],
+) -> Row {
     let [begin, end] = layout.rod_ends(rod);
     let rod_vector = minus(end, begin);
     let normal = rod_normal(rod_vector, left);
-    let point = minus(layout.place(striker), shift);
+    let point = minus(layout.place(striker), layout.shift(image));
     // The lever rule: where along the rod the corner pushes.
     let share = dot(minus(point, begin), rod_vector) / dot(rod_vector, rod_vector);
     let ends = layout.network.rods[rod];
@@ -255,6 +268,12 @@ fn rod_corner_row(layout: &Layout, striker: Corner, rod: usize, left: bool, shif
     row.push(striker.square, 1.0, normal, layout.arm(striker));
     row.push(ends.from.square, share - 1.0, normal, layout.arm(ends.from));
     row.push(ends.to.square, -share, normal, layout.arm(ends.to));
+    // The rod's own image pulls by the lever, too.
+    let [right, up] = [0, 1].map(|axis| {
+        let [of_rod, of_end] = [image[axis], ends.image[axis]].map(f64::from);
+        -of_rod - share * of_end
+    });
+    row.push_image(layout.network, normal, [right, up]);
     row
 }
 
@@ -264,11 +283,23 @@ fn rod_stop_row(layout: &Layout, rod: usize, end: u8, side: u8) -> Row {
     let (near, far) = (ends.corner_at(end), ends.corner_at(1 - end));
     let normal = layout.side_normal(near.square, side);
     let far_from_near = plus(layout.arm(near), layout.along_rod(rod, end));
-    Row::along(
+    let mut row = Row::along(
         [far.square, near.square],
         normal,
         [layout.arm(far), far_from_near],
-    )
+    );
+    let image = if end == 0 {
+        ends.image.map(f64::from)
+    } else {
+        opposite(ends.image)
+    };
+    row.push_image(layout.network, normal, image);
+    row
+}
+
+/// -n.
+fn opposite(image: [i32; 2]) -> Vector {
+    image.map(|cells| f64::from(-cells))
 }
 
 /// Leaves every touch in a list once.

@@ -1,12 +1,15 @@
 //! How fast a gap opens.
 
+use crate::lattice::cell::cell_gradient;
+use crate::lattice::network::Network;
 use crate::plane::{Vector, cross};
 
-/// n, the rate of a gap per velocity of up to three squares: ġ = n · v.
+/// n, the rate of a gap per velocity of up to three squares and of a flexible cell: ġ = n · v.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Row {
-    squares: [usize; 3],
-    entries: [[f64; 3]; 3],
+    /// The squares, and the cell as the body after the last one.
+    bodies: [usize; 4],
+    entries: [[f64; 3]; 4],
     count: usize,
 }
 
@@ -24,26 +27,38 @@ impl Row {
     pub(crate) fn push(&mut self, square: usize, weight: f64, normal: Vector, arm: Vector) {
         let torque = cross(arm, normal);
         let entry = [weight * normal[0], weight * normal[1], weight * torque];
-        let squares = &self.squares[..self.count];
+        self.add(square, entry);
+    }
+
+    /// Adds a force along `normal` on the image H n of a body, as it moves a flexible cell.
+    pub(crate) fn push_image(&mut self, network: &Network, normal: Vector, image: Vector) {
+        if network.cell_mass.is_some() && image != [0.0; 2] {
+            self.add(network.squares.len(), cell_gradient(normal, image));
+        }
+    }
+
+    fn add(&mut self, body: usize, entry: [f64; 3]) {
+        let bodies = &self.bodies[..self.count];
         // A square may meet its own periodic image.
-        if let Some(place) = squares.iter().position(|other| *other == square) {
+        if let Some(place) = bodies.iter().position(|other| *other == body) {
             for (sum, x) in self.entries[place].iter_mut().zip(entry) {
                 *sum += x;
             }
-        } else if self.count < self.squares.len() {
-            self.squares[self.count] = square;
+        } else if self.count < self.bodies.len() {
+            self.bodies[self.count] = body;
             self.entries[self.count] = entry;
             self.count += 1;
         }
     }
 
-    /// The squares and their numbers (along x, y and θ).
+    /// The squares and their numbers (along x, y and θ), and the cell (xx, yy and xy) as the body
+    /// after the last square.
     pub fn entries(&self) -> impl Iterator<Item = (usize, &[f64; 3])> {
-        let squares = self.squares.iter().copied();
-        squares.zip(&self.entries).take(self.count)
+        let bodies = self.bodies.iter().copied();
+        bodies.zip(&self.entries).take(self.count)
     }
 
-    /// n · x for a vector over the squares.
+    /// n · x for a vector over the coordinates.
     pub fn dot(&self, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         for (p, n) in self.entries() {

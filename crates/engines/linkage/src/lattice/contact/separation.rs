@@ -10,7 +10,7 @@
 //! the bodies touch, never more than their distance, and for two squares its sign is that of eq. 13
 //! of the paper over all corners and both roles. A rod is a rectangle of no width.
 
-use super::layout::rod_shift;
+use crate::lattice::cell::Cell;
 use crate::lattice::network::{Corner, Network};
 use crate::plane::{Vector, cross, direction, dot, left_of, minus, norm, plus, turned};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
@@ -41,7 +41,8 @@ pub struct Along {
     pub worst_rate: f64,
 }
 
-/// Position and velocity (x, y, θ) of one square.
+/// Position and velocity (x, y, θ) of one square, or (xx, yy, xy) of a flexible cell, the body after
+/// the last square.
 pub type Moving = ([f64; 3], [f64; 3]);
 
 /// The squares at rest at these positions.
@@ -50,6 +51,24 @@ pub fn at_rest(positions: &[f64]) -> impl Fn(usize) -> Moving + Copy + '_ {
         let s = [positions[3 * p], positions[3 * p + 1], positions[3 * p + 2]];
         (s, [0.0; 3])
     }
+}
+
+/// Vector to an image of a body, and its rate.
+pub(crate) fn shift_in_motion(
+    network: &Network,
+    image: [i32; 2],
+    motion: impl Fn(usize) -> Moving,
+) -> (Vector, Vector) {
+    if image == [0, 0] {
+        return ([0.0; 2], [0.0; 2]);
+    }
+    let image = image.map(f64::from);
+    if network.cell_mass.is_none() {
+        return (Cell::at_first(network).shift(image), [0.0; 2]);
+    }
+    let (cell, rate) = motion(network.squares.len());
+    let [cell, rate] = [cell, rate].map(|[xx, yy, xy]| Cell { xx, yy, xy });
+    (cell.shift(image), rate.shift(image))
 }
 
 /// Place and velocity of a corner.
@@ -82,10 +101,12 @@ impl Rectangle {
 
     /// A rod, its first axis from its first to its second end, its squares moving as `motion` says.
     pub fn rod(network: &Network, rod: usize, motion: impl Fn(usize) -> Moving) -> Self {
-        let (ends, shift) = (network.rods[rod], rod_shift(network, rod));
+        let ends = network.rods[rod];
+        let (shift, shift_rate) = shift_in_motion(network, ends.image, &motion);
         let (a, va) = corner_in_motion(network, ends.from, motion(ends.from.square));
         let (b, vb) = corner_in_motion(network, ends.to, motion(ends.to.square));
-        let rod_vector = minus(plus(b, shift), a);
+        let (b, vb) = (plus(b, shift), plus(vb, shift_rate));
+        let rod_vector = minus(b, a);
         let length = norm(rod_vector);
         let u = [rod_vector[0] / length, rod_vector[1] / length];
         Self {
@@ -97,9 +118,10 @@ impl Rectangle {
         }
     }
 
-    /// The rectangle moved by a shift.
-    pub fn moved(mut self, shift: [f64; 2]) -> Self {
+    /// The rectangle moved by a shift that changes at this rate.
+    pub fn moved(mut self, (shift, rate): ([f64; 2], [f64; 2])) -> Self {
         self.centre = plus(self.centre, shift);
+        self.velocity = plus(self.velocity, rate);
         self
     }
 

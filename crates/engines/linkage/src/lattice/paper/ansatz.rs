@@ -11,7 +11,7 @@
 //! singular and the system has no solution, so it is solved by least squares, and the lengths of
 //! the rods are missed. The error is part of what the paper's method is, and is measured.
 
-use crate::lattice::contact::layout::{Layout, rod_shift};
+use crate::lattice::contact::layout::Layout;
 use crate::lattice::network::{Network, Rod};
 use crate::plane::{Vector, dot, left_of};
 use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
@@ -65,7 +65,7 @@ impl<'a> Ansatz<'a> {
         let mut rods = Vec::with_capacity(network.rods.len());
         for (index, rod) in network.rods.iter().enumerate() {
             add_gradient(&mut gradient, index, rod, &layout);
-            rods.push(RodMotion::new(index, rod, &layout, velocities, total));
+            rods.push(RodMotion::new(rod, &layout, velocities, total));
         }
         let mut scaled = gradient.clone();
         for (p, square) in network.squares.iter().enumerate() {
@@ -168,8 +168,8 @@ fn add_gradient(gradient: &mut DMatrix<f64>, index: usize, rod: &Rod, layout: &L
 }
 
 impl RodMotion {
-    fn new(index: usize, rod: &Rod, layout: &Layout, velocities: &[f64], total: &[f64]) -> Self {
-        let shift = rod_shift(layout.network, index);
+    fn new(rod: &Rod, layout: &Layout, velocities: &[f64], total: &[f64]) -> Self {
+        let shift = layout.shift(rod.image);
         let (mut delta, mut rate, mut change) = ([-shift[0], -shift[1]], [0.0; 2], [0.0; 2]);
         let mut centripetal = [0.0; 2];
         for (corner, sign) in [(rod.from, 1.0), (rod.to, -1.0)] {

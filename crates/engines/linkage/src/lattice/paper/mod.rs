@@ -23,8 +23,7 @@ use super::force::Force;
 use super::network::{Corner, Network};
 use super::rods::RodSystem;
 use super::state::State;
-use crate::Result;
-use crate::plane::Vector;
+use crate::{CrystalError, Result};
 use ansatz::Ansatz;
 use nalgebra::{DMatrix, DVector, SVD};
 pub use normal::printed_normal;
@@ -102,20 +101,26 @@ pub struct PaperEngine {
 struct Hit {
     striker: Corner,
     target: usize,
-    shift: Vector,
+    image: [i32; 2],
 }
 
 impl PaperEngine {
     /// The protocol for this network under these forces, prepared at this state.
     ///
     /// # Errors
-    /// Those of [`Dynamics::new`].
+    /// Those of [`Dynamics::new`], and [`CrystalError::BadNetwork`] for a flexible cell.
     pub fn new(
         network: Arc<Network>,
         forces: Vec<Box<dyn Force>>,
         state: &State,
         settings: PaperSettings,
     ) -> Result<Self> {
+        if network.cell_mass.is_some() {
+            return Err(CrystalError::BadNetwork(
+                "the paper's protocol has no flexible cell; give cell = \"fixed\" or paper = false"
+                    .into(),
+            ));
+        }
         let candidates = Candidates::new(&network, &state.positions, SKIN, false);
         let dynamics = Dynamics::new(network, forces, state)?;
         Ok(Self {
@@ -380,7 +385,7 @@ fn least_squares(w: DMatrix<f64>, b: DVector<f64>) -> Option<DVector<f64>> {
 
 impl Hit {
     fn contact(&self, network: &Network, positions: &[f64]) -> Contact {
-        Contact::of_corner(network, positions, self.striker, self.target, self.shift)
+        Contact::of_corner(network, positions, self.striker, self.target, self.image)
     }
 
     /// Rate at which the corner leaves the square.
@@ -418,7 +423,7 @@ fn printed_row(network: &Network, state: &State, contact: &Contact) -> Row {
 
 /// Corners inside squares (inequality 13 violated), in both roles.
 fn corners_inside(candidates: &mut Candidates, network: &Network, positions: &[f64]) -> Vec<Hit> {
-    if !candidates.holds(positions, 0.0) {
+    if !candidates.holds(network, positions, 0.0) {
         candidates.rebuild(network, positions);
     }
     let mut hits = Vec::new();
@@ -426,14 +431,14 @@ fn corners_inside(candidates: &mut Candidates, network: &Network, positions: &[f
         let Body::Square(second) = pair.second else {
             continue;
         };
-        let back = [-pair.shift[0], -pair.shift[1]];
-        let roles = [(pair.first, second, pair.shift), (second, pair.first, back)];
-        for (square, target, shift) in roles {
+        let back = pair.image.map(|cells| -cells);
+        let roles = [(pair.first, second, pair.image), (second, pair.first, back)];
+        for (square, target, image) in roles {
             for vertex in 1..=4 {
                 let hit = Hit {
                     striker: Corner { square, vertex },
                     target,
-                    shift,
+                    image,
                 };
                 if height(network, positions, &hit) < 0.0 {
                     hits.push(hit);
@@ -452,7 +457,7 @@ fn height(network: &Network, positions: &[f64], hit: &Hit) -> f64 {
             striker: hit.striker,
             target: hit.target,
             side,
-            shift: hit.shift,
+            image: hit.image,
         };
         highest = highest.max(contact.gap(network, positions));
     }

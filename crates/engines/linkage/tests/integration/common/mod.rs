@@ -65,6 +65,7 @@ pub fn one_square() -> Network {
         squares: vec![Square::default()],
         rods: Vec::new(),
         cell: None,
+        cell_mass: None,
         places: None,
     }
 }
@@ -87,6 +88,7 @@ pub fn two_squares(vertices: [u8; 2], length: f64) -> Arc<Network> {
         squares: vec![Square::default(); 2],
         rods,
         cell: None,
+        cell_mass: None,
         places: None,
     })
 }
