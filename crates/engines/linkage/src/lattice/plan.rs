@@ -1,10 +1,14 @@
 //! A lattice with its defects, square by square and rod by rod.
 
+use super::cell::CellKind;
 use super::network::{Corner, Edges, Network, Rod, Square};
 use crate::{CrystalError, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_4;
+
+/// Mass of each component of a flexible cell, as a share of the mass of all squares.
+const CELL_MASS_SHARE: f64 = 0.1;
 
 /// A lattice of equal squares, and what differs from it.
 ///
@@ -33,6 +37,10 @@ pub struct Plan {
     pub rod_length: f64,
     /// Edges of the lattice: open or periodic.
     pub edges: Edges,
+    /// Whether the cell of a periodic lattice can change.
+    pub cell: CellKind,
+    /// Mass of each component of a flexible cell; a tenth of that of all squares if left out.
+    pub cell_mass: Option<f64>,
     /// The angle of the coherent state for which a periodic cell is made, rad.
     pub angle: f64,
     /// The square.
@@ -86,6 +94,8 @@ impl Default for Plan {
             columns: 10,
             rod_length: 3.0 / 22.0,
             edges: Edges::Open,
+            cell: CellKind::Fixed,
+            cell_mass: None,
             angle: FRAC_PI_4,
             square: Square::default(),
             other_squares: Vec::new(),
@@ -131,6 +141,13 @@ impl Plan {
         }
         if !removed.is_empty() {
             network = network.without_squares(&Vec::from_iter(removed))?;
+        }
+        if self.cell == CellKind::Flexible {
+            let mut mass = 0.0;
+            for square in &network.squares {
+                mass += CELL_MASS_SHARE * square.mass;
+            }
+            network = network.with_flexible_cell(self.cell_mass.unwrap_or(mass))?;
         }
         network.check()?;
         Ok(network)

@@ -178,7 +178,7 @@ impl Animation {
     /// The frames as JSON that is safe inside a script element.
     pub fn to_json(&self) -> String {
         let mut rods = Vec::new();
-        for rod in &self.network.rods {
+        for rod in drawn_rods(&self.network) {
             let ([x, y], from, to) = (shift(&self.network, rod), rod.from, rod.to);
             rods.push(serde_json::json!([
                 from.square,
@@ -239,7 +239,7 @@ impl Animation {
                 colour(s[2])
             );
         }
-        for rod in &self.network.rods {
+        for rod in drawn_rods(&self.network) {
             let [dx, dy] = shift(&self.network, rod);
             let [x1, y1] = place(corner_position(&self.network, positions, rod.from));
             let [x, y] = corner_position(&self.network, positions, rod.to);
@@ -262,6 +262,13 @@ impl Animation {
 
 /// Height of the caption below the picture.
 const CAPTION_PIXELS: f64 = 30.0;
+
+/// The rods of a picture: those across the edges of a flexible cell end where the frames do not tell.
+fn drawn_rods(network: &Network) -> impl Iterator<Item = &Rod> {
+    let is_flexible = network.cell_mass.is_some();
+    let rods = network.rods.iter();
+    rods.filter(move |rod| !is_flexible || rod.image == [0, 0])
+}
 
 /// The end of a rod relative to the corner it is drawn at: the nearest periodic image.
 fn shift(network: &Network, rod: &Rod) -> [f64; 2] {

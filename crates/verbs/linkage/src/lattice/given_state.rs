@@ -5,10 +5,11 @@
 
 use super::run::saved_state;
 use super::settings::LatticeSettings;
+use super::trajectory::CELL;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::sha256_hex;
 use protomer_io::gsd::{Chunk, ChunkData, GsdFile, TrajectoryReader};
-use protomer_linkage::lattice::{Network, Started, State};
+use protomer_linkage::lattice::{Cell, Network, Started, State};
 use std::path::Path;
 
 /// Largest distance by which a state may be off the rods, half-diagonals and radians: far above the rounding of single
@@ -20,9 +21,9 @@ const LARGEST_SHIFT: f64 = 1e-3;
 pub struct GivenState {
     /// Source, for messages.
     pub origin: String,
-    /// x, y, θ of each square.
+    /// x, y, θ of each square, and perhaps the components of a flexible cell.
     pub positions: Vec<f64>,
-    /// ẋ, ẏ, ω of each square; `None` for those of the settings.
+    /// ẋ, ẏ, ω of each square, and perhaps the rates of the cell; `None` for those of the settings.
     pub velocities: Option<Vec<f64>>,
 }
 
@@ -63,9 +64,13 @@ impl GivenState {
             ..
         }) = exact
         {
+            let cell = GsdFile::open(path)?.chunk(number, CELL)?;
             return Ok(Self {
                 origin,
-                positions,
+                positions: match cell.map(|chunk| chunk.data) {
+                    Some(ChunkData::F64(cell)) => [positions, cell].concat(),
+                    _ => positions,
+                },
                 velocities: None,
             });
         }
@@ -109,7 +114,13 @@ impl GivenState {
     /// # Errors
     /// For another number of squares, and squares that are off their rods.
     pub(super) fn on_rods(&self, network: &Network, settings: &LatticeSettings) -> Result<Started> {
-        let (found, needed) = (self.positions.len() / 3, network.squares.len());
+        let needed = network.squares.len();
+        let has_cell = self.positions.len() == network.coordinates();
+        let found = if has_cell {
+            needed
+        } else {
+            self.positions.len() / 3
+        };
         if found != needed {
             bail!(
                 "{} has {found} squares, and the lattice has {needed}; give its --rows and --columns",
@@ -122,7 +133,7 @@ impl GivenState {
                 self.origin
             );
         }
-        let state = State {
+        let mut state = State {
             time: 0.0,
             positions: self.positions.clone(),
             velocities: self
@@ -130,6 +141,11 @@ impl GivenState {
                 .clone()
                 .unwrap_or_else(|| vec![0.0; self.positions.len()]),
         };
+        if !has_cell && network.cell_mass.is_some() {
+            // Squares from elsewhere: the cell is that of the settings, at rest.
+            state.positions.extend(Cell::at_first(network).components());
+            state.velocities.extend([0.0; 3]);
+        }
         let first_state = settings.first_state();
         let started = first_state
             .build_from(network, state, self.velocities.is_some())

@@ -8,7 +8,7 @@ use protomer_common::range::Range;
 use protomer_common::settings::Declared;
 use protomer_linkage::analysis::lyapunov::LyapunovSettings;
 use protomer_linkage::lattice::pair::SquareCharge;
-use protomer_linkage::lattice::{Edges, Square};
+use protomer_linkage::lattice::{CellKind, Edges, Square};
 
 /// Upper limit for the number of squares, beyond any practical run.
 pub(super) const MOST_SQUARES: usize = 1_000_000;
@@ -23,7 +23,7 @@ pub(super) const LENGTH: Range = Range::new(1e-4, 1e3, "");
 pub(super) const ROD_LENGTH: Range =
     Range::new(1e-4, 1e3, "(a rod without length has no direction)");
 /// Range of masses in masses of the unit square.
-const MASS: Range = Range::new(1e-6, 1e6, "");
+pub(super) const MASS: Range = Range::new(1e-6, 1e6, "");
 /// Range of moments of inertia.
 pub(super) const INERTIA: Range = Range::new(1e-9, 1e9, "");
 /// Range of angular velocities and friction.
@@ -162,12 +162,7 @@ impl LatticeSettings {
         }
         // Tables that are none are refused here, and not by the run.
         self.motion()?;
-        if (self.stress_xx, self.stress_yy) != (0.0, 0.0) && self.edges == Edges::Periodic {
-            bail!(
-                "a stress acts on open edges only, because the periodic cell is fixed; give edges = \"open\", or remove \
-                 stress_xx and stress_yy"
-            );
-        }
+        self.check_cell()?;
         if self.velocities == Velocities::Thermal && self.temperature.is_none() {
             bail!("thermal velocities need a temperature; add temperature = 0.1");
         }
@@ -175,6 +170,31 @@ impl LatticeSettings {
             bail!(
                 "velocity_spread perturbs a checkerboard start; remove it, or set velocities = \
                  \"checkerboard\""
+            );
+        }
+        Ok(())
+    }
+
+    fn check_cell(&self) -> Result<()> {
+        let is_flexible = self.cell == CellKind::Flexible;
+        if is_flexible && self.edges == Edges::Open {
+            bail!(
+                "a lattice with open edges has no cell; give edges = \"periodic\", or remove cell"
+            );
+        }
+        if is_flexible && self.paper {
+            bail!("the paper's collisions have no flexible cell; remove cell, or remove paper");
+        }
+        if self.cell_mass.is_some() && !is_flexible {
+            bail!(
+                "cell_mass is that of a flexible cell; give cell = \"flexible\", or remove cell_mass"
+            );
+        }
+        let has_stress = (self.stress_xx, self.stress_yy) != (0.0, 0.0);
+        if has_stress && self.edges == Edges::Periodic && !is_flexible {
+            bail!(
+                "a stress cannot strain a periodic cell that is fixed; give cell = \"flexible\" or edges = \"open\", or \
+                 remove stress_xx and stress_yy"
             );
         }
         Ok(())

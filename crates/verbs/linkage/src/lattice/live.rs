@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use protomer_common::live::{Arrays, Column, Live, changed, refuse_others, restored, take};
 use protomer_io::gsd::Chunk;
 use protomer_linkage::lattice::paper::PaperStatistics;
-use protomer_linkage::lattice::{Mover, State};
+use protomer_linkage::lattice::{Cell, Mover, State};
 use protomer_results::Row;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -201,8 +201,11 @@ impl Live for LiveLattice {
     }
 
     fn space(&self) -> [f64; 6] {
-        let [x, y] = self.begun.network.cell.unwrap_or_default();
-        [x, y, 0.0, 0.0, 0.0, 0.0]
+        if self.begun.network.cell.is_none() {
+            return [0.0; 6];
+        }
+        let cell = Cell::read(&self.begun.network, &self.state.positions);
+        [cell.xx, cell.yy, 0.0, cell.xy / cell.yy, 0.0, 0.0]
     }
 
     fn place(&mut self, mut arrays: Arrays) -> Result<()> {
@@ -214,7 +217,15 @@ impl Live for LiveLattice {
                 arrays.insert(name.to_owned(), rows);
             }
         }
-        let given = given(arrays)?;
+        let mut given = given(arrays)?;
+        // The arrays are of squares: a flexible cell stays as it is.
+        let squares = 3 * self.count();
+        given
+            .positions
+            .extend_from_slice(&self.state.positions[squares..]);
+        if let Some(velocities) = &mut given.velocities {
+            velocities.extend_from_slice(&self.state.velocities[squares..]);
+        }
         let started = given.on_rods(&self.begun.network, &self.settings)?;
         let state = State {
             time: self.state.time,

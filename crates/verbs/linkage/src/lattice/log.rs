@@ -1,7 +1,7 @@
 //! `log.csv`: observables of a run at regular steps.
 
 use protomer_linkage::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
-use protomer_linkage::analysis::strain::{biot_strain, corners, deformation_gradient};
+use protomer_linkage::analysis::strain::{biot_strain, gradient_between};
 use protomer_linkage::lattice::{Mover, Network, State};
 
 protomer_results::log_row! {
@@ -33,7 +33,7 @@ protomer_results::log_row! {
         pub checkerboard_fraction_of_total: f64,
         /// Standard deviation of the angles about the coherent state.
         pub angle_spread: f64,
-        /// Strain along x since the start, from the corners of all squares.
+        /// Strain along x since the start, of a flexible cell or else from the corners of all squares.
         pub strain_xx: f64,
         /// Strain along y since the start.
         pub strain_yy: f64,
@@ -96,7 +96,7 @@ impl LogRow {
 /// Components xx, yy and xy of the strain from one array of positions to another; NaN where it is
 /// undefined.
 fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
-    match deformation_gradient(&corners(network, from), &corners(network, to)) {
+    match gradient_between(network, from, to) {
         Ok(gradient) => {
             let strain = biot_strain(&gradient);
             [strain[(0, 0)], strain[(1, 1)], strain[(0, 1)]]

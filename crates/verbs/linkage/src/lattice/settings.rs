@@ -1,6 +1,6 @@
 //! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
-use super::limits::{ENERGY, KAPPA, RATE, ROD_LENGTH, STRESS, TIME, TIME_STEP};
+use super::limits::{ENERGY, KAPPA, MASS, RATE, ROD_LENGTH, STRESS, TIME, TIME_STEP};
 use super::potential_table::PotentialTable;
 use anyhow::{Context, Result};
 use protomer_common::range::{Range, STEPS};
@@ -11,7 +11,7 @@ use protomer_linkage::analysis::lyapunov::LyapunovSettings;
 use protomer_linkage::lattice::pair::SquareCharge;
 use protomer_linkage::lattice::paper::PaperSettings;
 use protomer_linkage::lattice::{
-    self, Charges, CollisionSettings, Edges, Langevin, Meetings, Motion, Plan, Square,
+    self, CellKind, Charges, CollisionSettings, Edges, Langevin, Meetings, Motion, Plan, Square,
     StartVelocities, Stress,
 };
 pub use protomer_linkage::lattice::{ListedRod, OtherSquare, Screening};
@@ -42,6 +42,10 @@ protomer_common::settings! {
         kappa: f64 = 0.0, in KAPPA;
         /// Boundary condition.
         edges: Edges = Edges::Open;
+        /// Whether the cell of periodic edges can change; rods, collisions and stress then strain it.
+        cell: CellKind = CellKind::Fixed, omit "is_default";
+        /// Mass of each component of a flexible cell.
+        cell_mass: Option<f64>, in MASS, otherwise "a tenth of the mass of all squares", omit "is_default";
         /// State to start from instead of a coherent lattice: a GSD file of any program, whose first particles are the squares,
         /// or the directory of a run, whose velocities are kept.
         state: Option<String>, otherwise "a coherent lattice", omit "is_default";
@@ -75,7 +79,7 @@ protomer_common::settings! {
         temperature: Option<f64>, in ENERGY.or_zero(), omit "is_default";
         /// Friction, an inverse time; without a temperature it only slows the squares down.
         friction: f64 = 0.0, in RATE;
-        /// Stress along x, an energy per area in reduced units; positive pulls. Open edges only.
+        /// Stress along x, an energy per area in reduced units; positive pulls. Open edges or a flexible cell.
         stress_xx: f64 = 0.0, in STRESS, omit "is_default";
         /// Stress along y.
         stress_yy: f64 = 0.0, in STRESS, omit "is_default";
@@ -275,6 +279,8 @@ impl LatticeSettings {
             columns: self.columns,
             rod_length: self.r0,
             edges: self.edges,
+            cell: self.cell,
+            cell_mass: self.cell_mass,
             angle: self.start.angle_rad(),
             square: self.square,
             other_squares: self.other_squares.clone(),

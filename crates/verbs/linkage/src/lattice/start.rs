@@ -108,6 +108,10 @@ pub fn is_stopped(error: &anyhow::Error) -> bool {
 
 fn with_advice(error: CrystalError, network: &Network) -> anyhow::Error {
     let advice = match error {
+        CrystalError::OverConstrained { .. } if network.cell_mass.is_some() => {
+            "straight rows and columns across periodic edges constrain each other redundantly; \
+             start from another angle, such as start = 0.3"
+        }
         CrystalError::OverConstrained { .. } if network.cell.is_some() => {
             "straight rows and columns across periodic edges constrain each other redundantly; \
              remove one rod of each with removed_rods"

@@ -5,11 +5,13 @@
 
 use anyhow::{Result, bail};
 use protomer_io::gsd::{Chunk, ChunkData, FrameWriter, GsdFile};
-use protomer_linkage::lattice::{Corner, Network, State};
+use protomer_linkage::lattice::{Cell, Corner, Network, State};
 use serde_json::json;
 use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
 
+/// Chunk with H_xx, H_yy and H_xy of a flexible cell.
+pub(super) const CELL: &str = "log/cell";
 /// Diameter of the dots on the corners.
 const DOT_DIAMETER: f64 = 0.04;
 
@@ -107,7 +109,9 @@ fn polygon(size: f64) -> String {
 /// The data that changes from frame to frame.
 pub fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk> {
     let (mut places, mut angles) = (Vec::new(), Vec::new());
-    for square in state.positions.chunks_exact(3) {
+    let squares = 3 * network.squares.len();
+    let of_squares = &state.positions[..squares];
+    for square in of_squares.chunks_exact(3) {
         places.push([square[0], square[1]]);
         angles.push(square[2]);
     }
@@ -115,28 +119,26 @@ pub fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Ch
         places.push(corner_position(network, &state.positions, corner));
         angles.push(0.0);
     }
-    let lengths = match network.cell {
-        Some(cell) => cell,
+    let cell = network.cell.map(|_| Cell::read(network, &state.positions));
+    let lengths = match cell {
+        Some(cell) => [cell.xx, cell.yy],
         None => enclosing(network, &places),
     };
+    let tilt = cell.map_or(0.0, |cell| cell.xy / cell.yy);
     let mut positions = Vec::with_capacity(3 * places.len());
     for place in &places {
-        for (x, length) in place.iter().zip(lengths) {
-            // Readers of the format expect particles inside the box.
-            let images = match network.cell {
-                Some(_) => (x / length).round(),
-                None => 0.0,
-            };
-            positions.push((x - length * images) as f32);
-        }
-        positions.push(0.0);
+        let [x, y] = match cell {
+            Some(cell) => inside(&cell, *place),
+            None => *place,
+        };
+        positions.extend([x as f32, y as f32, 0.0]);
     }
     let mut orientations = Vec::with_capacity(4 * angles.len());
     for angle in angles {
         let (sine, cosine) = (0.5_f64 * angle).sin_cos();
         orientations.extend([cosine as f32, 0.0, 0.0, sine as f32]);
     }
-    vec![
+    let mut chunks = vec![
         Chunk::new("configuration/step", 1, ChunkData::U64(vec![step])),
         Chunk::new(
             "configuration/box",
@@ -145,7 +147,7 @@ pub fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Ch
                 lengths[0] as f32,
                 lengths[1] as f32,
                 0.0,
-                0.0,
+                tilt as f32,
                 0.0,
                 0.0,
             ]),
@@ -155,8 +157,20 @@ pub fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Ch
         Chunk::new("particles/orientation", 4, ChunkData::F32(orientations)),
         Chunk::new("log/time", 1, ChunkData::F64(vec![state.time])),
         Chunk::new("log/energy", 1, ChunkData::F64(vec![energy])),
-        Chunk::new("log/positions", 3, ChunkData::F64(state.positions.clone())),
-    ]
+        Chunk::new("log/positions", 3, ChunkData::F64(of_squares.to_vec())),
+    ];
+    if state.positions.len() > squares {
+        let cell = state.positions[squares..].to_vec();
+        chunks.push(Chunk::new(CELL, 3, ChunkData::F64(cell)));
+    }
+    chunks
+}
+
+/// The image of a place in the box, as readers of the format expect.
+fn inside(cell: &Cell, [x, y]: [f64; 2]) -> [f64; 2] {
+    let up = (y / cell.yy).round();
+    let right = ((x - cell.xy * up) / cell.xx).round();
+    [x - cell.xx * right - cell.xy * up, y - cell.yy * up]
 }
 
 /// Edge lengths of a box that contains all squares, for a lattice without a cell.

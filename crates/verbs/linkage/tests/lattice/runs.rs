@@ -1,6 +1,8 @@
 //! Runs are continued bit for bit; their logs, trajectories and pages hold what they should.
 
-use crate::support::{finish, nearly_coherent, periodic, small, stop_after, too_fast, well};
+use crate::support::{
+    finish, flexible, nearly_coherent, periodic, small, stop_after, too_fast, well,
+};
 use protomer_io::gsd::{ChunkData, GsdFile};
 use protomer_linkage::analysis::divergence::Embedding;
 use protomer_linkage::analysis::strain::poisson_ratio;
@@ -45,6 +47,7 @@ fn cut_and_continued_runs_equal_uninterrupted_ones_bit_for_bit() {
             },
         ),
         ("periodic", periodic()),
+        ("a flexible cell", flexible()),
         (
             "tabulated potentials and a stress",
             LatticeSettings {
@@ -109,6 +112,86 @@ fn cut_and_continued_runs_equal_uninterrupted_ones_bit_for_bit() {
             assert!(result.events > 0, "the test should see collisions");
             assert!(result.max_rod_violation < 1e-12);
         }
+    }
+}
+
+#[test]
+fn a_flexible_cell_is_the_box_of_its_frames_and_the_strain_of_its_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = LatticeSettings {
+        cell_mass: Some(2.5),
+        log_every: 25,
+        ..flexible()
+    };
+    let begun = begin(&settings).unwrap();
+    assert_eq!(begun.network.cell_mass, Some(2.5));
+    assert_eq!(
+        begin(&flexible())
+            .unwrap()
+            .network
+            .cell_mass
+            .map(|mass| (mass * 1e9).round()),
+        Some(1.6e9),
+        "a tenth of 16 squares"
+    );
+    let result = finish(&settings, folder.path());
+    assert!(result.events > 0 && result.max_rod_violation < 1e-11);
+    let rows: Vec<LogRow> = log::read(&folder.path().join(log::FILE)).unwrap();
+    let path = folder.path().join("trajectory.gsd");
+    let states = read_states(&path).unwrap();
+    assert_eq!((rows.len(), states.len()), (13, 13));
+    let [first_x, first_y] = begun.network.cell.unwrap();
+    let mut file = GsdFile::open(&path).unwrap();
+    let mut largest = 0.0_f64;
+    for (frame, (row, (time, positions))) in rows.iter().zip(&states).enumerate() {
+        assert_eq!((*time, positions.len()), (row.time, 48));
+        let mut numbers = |name: &str| match file.chunk(frame as u64, name).unwrap().unwrap().data {
+            ChunkData::F64(numbers) => numbers,
+            ChunkData::F32(numbers) => numbers.into_iter().map(f64::from).collect(),
+            _ => panic!("{name} is of another type"),
+        };
+        let (cell, shape) = (numbers("log/cell"), numbers("configuration/box"));
+        for (found, expected) in [
+            (shape[0], cell[0]),
+            (shape[1], cell[1]),
+            (shape[3], cell[2] / cell[1]),
+        ] {
+            assert!((found - expected).abs() < 1e-5);
+        }
+        // F = H H₀⁻¹ with an upright H₀; the strain of Biot by F = R U.
+        let (xx, yy, xy) = (cell[0] / first_x, cell[1] / first_y, cell[2] / first_y);
+        let turn = (-xy).atan2(xx + yy);
+        let (sine, cosine) = turn.sin_cos();
+        let strain = [cosine * xx - 1.0, cosine * yy - sine * xy - 1.0];
+        assert!(
+            (row.strain_xx - strain[0]).abs() < 1e-12,
+            "{} {strain:?}",
+            row.strain_xx
+        );
+        assert!(
+            (row.strain_yy - strain[1]).abs() < 1e-12,
+            "{} {strain:?}",
+            row.strain_yy
+        );
+        largest = largest.max(row.strain_xx.abs());
+    }
+    assert!(largest > 1e-3, "{largest}");
+    // Another run starts where this one is, with its cell.
+    let next = LatticeSettings {
+        state: Some(folder.path().display().to_string()),
+        ..settings
+    };
+    let begun = begin(&next).unwrap();
+    let last = GsdFile::open(&path)
+        .unwrap()
+        .chunk(12, "log/cell")
+        .unwrap()
+        .unwrap();
+    let ChunkData::F64(cell) = last.data else {
+        panic!("the cell is in double precision")
+    };
+    for (found, expected) in begun.state.positions[48..].iter().zip(cell) {
+        assert!((found - expected).abs() < 1e-9);
     }
 }
 

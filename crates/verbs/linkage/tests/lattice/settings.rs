@@ -1,6 +1,6 @@
 //! Settings that make no sense are refused by name; the others make the lattice that they state.
 
-use crate::support::{finish, nearly_coherent, other, periodic, screen, small, well};
+use crate::support::{finish, flexible, nearly_coherent, other, periodic, screen, small, well};
 use protomer_linkage::lattice::Edges;
 use protomer_linkage::lattice::pair::SquareCharge;
 use protomer_linkage_verbs::lattice::log::LogRow;
@@ -94,7 +94,7 @@ type Setter = fn(&mut LatticeSettings, f64);
 /// the range.
 #[test]
 fn numbers_outside_their_ranges_are_refused_by_name() {
-    let set: [(&str, Setter); 22] = [
+    let set: [(&str, Setter); 23] = [
         ("r0", |s, x| s.r0 = x),
         ("kappa", |s, x| s.kappa = x),
         ("start", |s, x| s.start = Start::Angle(x)),
@@ -111,6 +111,7 @@ fn numbers_outside_their_ranges_are_refused_by_name() {
         }),
         ("square.half_diagonal", |s, x| s.square.half_diagonal = x),
         ("square.mass", |s, x| s.square.mass = x),
+        ("cell_mass", |s, x| s.cell_mass = Some(x)),
         ("square.inertia", |s, x| s.square.inertia = x),
         ("other_squares[0].half_diagonal", |s, x| {
             s.other_squares = vec![other(Some(x), None, None)]
@@ -216,7 +217,45 @@ fn tabulated_potentials_are_part_of_the_settings() {
         stress_xx: 0.1,
         ..periodic()
     };
-    assert!(message(periodic.check()).contains("open edges"));
+    assert!(message(periodic.check()).contains("fixed; give cell = \"flexible\""));
+}
+
+#[test]
+fn a_flexible_cell_needs_periodic_edges_and_its_own_collisions() {
+    flexible().check().unwrap();
+    for (settings, expected) in [
+        (
+            LatticeSettings {
+                edges: Edges::Open,
+                ..flexible()
+            },
+            "edges = \"periodic\"",
+        ),
+        (
+            LatticeSettings {
+                paper: true,
+                ..flexible()
+            },
+            "remove paper",
+        ),
+        (
+            LatticeSettings {
+                cell_mass: Some(1.0),
+                ..periodic()
+            },
+            "remove cell_mass",
+        ),
+    ] {
+        let refusal = message(settings.check());
+        assert!(refusal.contains(expected), "{refusal}");
+    }
+    // Straight rows and columns hold each other in the open state.
+    let open = LatticeSettings {
+        start: "open".parse().unwrap(),
+        ..flexible()
+    };
+    let refusal = format!("{:#}", begin(&open).unwrap_err());
+    assert!(refusal.contains("start = 0.3"), "{refusal}");
 }
 
 /// Charges so screened that nothing acts are told of, and others not.

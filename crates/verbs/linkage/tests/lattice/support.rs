@@ -1,8 +1,8 @@
 //! Lattices of the tests, and what runs them.
 
 use crate::common::Watcher;
-use protomer_linkage::lattice::Edges;
 use protomer_linkage::lattice::pair::SquareCharge;
+use protomer_linkage::lattice::{CellKind, Edges};
 use protomer_linkage_verbs::lattice::potential_table::PotentialTable;
 use protomer_linkage_verbs::lattice::run::{LatticeResult, run_lattice};
 use protomer_linkage_verbs::lattice::settings::{
@@ -34,6 +34,19 @@ pub fn periodic() -> LatticeSettings {
         edges: Edges::Periodic,
         r0: 0.15,
         removed_rods,
+        ..small()
+    }
+}
+
+/// A flexible cell in a heat bath, under a stress.
+pub fn flexible() -> LatticeSettings {
+    LatticeSettings {
+        edges: Edges::Periodic,
+        cell: CellKind::Flexible,
+        r0: 0.15,
+        temperature: Some(0.05),
+        friction: 1.0,
+        stress_xx: 0.02,
         ..small()
     }
 }
