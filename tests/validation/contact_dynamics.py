@@ -78,6 +78,8 @@ def tetrahedra(output: Path) -> None:
     each = [(packing, form, bodies) for packing, bodies in ((0.4, 64), (0.6, 90)) for form in ("face-sum", "smooth")]
     runs = [(*one, 2.0, step) for one in each for step in (2e-4, 1e-4, 5e-5)]
     runs += [(*one, 100.0, 1e-4) for one in each]
+    # As long as the runs of the thesis.
+    runs += [(*one, 1000.0, 1e-4) for one in each[:2]]
     for packing, form, bodies, time, step in runs:
         answer = run(
             output, f"tetrahedra_{packing}_{form}_{bodies}_{time}_{step}", shape="tetrahedron", bodies=bodies,
