@@ -78,12 +78,10 @@ mod triangle_distance;
 pub use carried_bound::CarriedBound;
 pub use embedding::check_embedding;
 pub use shape::CollisionShape;
+pub use travel::free_travel;
 
-use crate::Vec3;
 use crate::pose::RelativePose;
-use nalgebra::Unit;
 use proximity::surfaces_come_within;
-use travel::surfaces_meet_after;
 use traversal::{SurfaceRelation, relate_surfaces};
 use triangle::triangles_intersect;
 use triangle_distance::triangle_distance;
@@ -191,35 +189,6 @@ pub fn comes_within(
     surfaces_come_within(first, second, second_in_first, distance_angstrom)
         || first.holds_a_shell_of(second, second_in_first)
         || second.holds_a_shell_of(first, &second_in_first.inverse())
-}
-
-/// Distance that the second body travels along a direction before its surface meets that of the first, Å;
-/// `None` if it passes, or travels `limit_angstrom` first. The direction is given in the frame of the first.
-///
-/// The bodies must be apart at the start. A body in a cavity of the other meets the wall from inside. One descent of
-/// both trees gives the answer to rounding in double precision.
-///
-/// ```
-/// use nalgebra::Unit;
-/// use protomer_kernel::overlap::free_travel;
-/// use protomer_kernel::{CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
-/// let cube = CollisionShape::new(&TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(1.0)))?;
-/// let travel = |y: f64| {
-///     let start = Pose { position: Vec3::new(5.0, y, 0.2), ..Pose::identity() };
-///     free_travel(&cube, &cube, &RelativePose::from(&start), &-Vec3::x_axis(), 10.0)
-/// };
-/// assert!(travel(0.3).is_some_and(|travel| (travel - 4.0).abs() < 1e-12));
-/// assert!(travel(1.1).is_none(), "it passes");
-/// # Ok::<(), protomer_kernel::KernelError>(())
-/// ```
-pub fn free_travel(
-    first: &CollisionShape,
-    second: &CollisionShape,
-    start: &RelativePose,
-    direction: &Unit<Vec3>,
-    limit_angstrom: f64,
-) -> Option<f64> {
-    surfaces_meet_after(first, second, start, direction, limit_angstrom)
 }
 
 /// Distance between two surfaces, Å; zero if they intersect. It is exact and slow (every pair of

@@ -7,7 +7,7 @@
 
 use super::lanes::{Bits, Lanes, Motion, negative_lanes, separations};
 use super::shape::CollisionShape;
-use super::traversal::rounding_angstrom;
+use super::traversal::{push_in_front, rounding_angstrom};
 use super::triangle::{Triangle, triangles_intersect};
 use super::triangle_distance::triangle_distance;
 use crate::pose::RelativePose;
@@ -97,7 +97,12 @@ impl<'a> Search<'a> {
             for lane in Bits(self.near(&separations)) {
                 let (child_a, child_b) = (a.children[row], b.children[lane]);
                 if !a.is_leaf {
-                    self.push(child_a, child_b, separations[lane], &mut nearest);
+                    push_in_front(
+                        &mut self.stack,
+                        (child_a, child_b),
+                        separations[lane],
+                        &mut nearest,
+                    );
                 } else if self.triangles_come_within(child_a, child_b) {
                     return true;
                 }
@@ -125,19 +130,12 @@ impl<'a> Search<'a> {
             } else {
                 (a.children[lane], index_b)
             };
-            self.push(child_a, child_b, separations[lane], &mut nearest);
-        }
-    }
-
-    /// Puts two nodes on the stack; the nearest of those that a visit pushes stays on top.
-    #[inline(always)]
-    fn push(&mut self, a: u32, b: u32, separation: f32, nearest: &mut f32) {
-        self.stack.push((a, b));
-        let top = self.stack.len() - 1;
-        if separation < *nearest {
-            *nearest = separation;
-        } else if top > 0 {
-            self.stack.swap(top - 1, top);
+            push_in_front(
+                &mut self.stack,
+                (child_a, child_b),
+                separations[lane],
+                &mut nearest,
+            );
         }
     }
 

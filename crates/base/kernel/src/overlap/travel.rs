@@ -8,15 +8,32 @@
 use super::disc::Disc;
 use super::lanes::{Bits, DiscBlock, Lanes, Motion, WIDTH, inverse_root_below, larger, root};
 use super::shape::CollisionShape;
-use super::traversal::rounding_angstrom;
+use super::traversal::{push_in_front, rounding_angstrom};
 use super::triangle::Triangle;
 use crate::pose::RelativePose;
 use crate::{Vec3, vectorised};
 use nalgebra::Unit;
 
-/// Distance that the second body travels along a direction until the surfaces meet, Å; `None` if
-/// they do not meet within `limit_angstrom`. The surfaces must not meet at the start.
-pub(super) fn surfaces_meet_after(
+/// Distance that the second body travels along a direction before its surface meets that of the first, Å;
+/// `None` if it passes, or travels `limit_angstrom` first. The direction is given in the frame of the first.
+///
+/// The bodies must be apart at the start. A body in a cavity of the other meets the wall from inside. One descent of
+/// both trees gives the answer to rounding in double precision.
+///
+/// ```
+/// use nalgebra::Unit;
+/// use protomer_kernel::overlap::free_travel;
+/// use protomer_kernel::{CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
+/// let cube = CollisionShape::new(&TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(1.0)))?;
+/// let travel = |y: f64| {
+///     let start = Pose { position: Vec3::new(5.0, y, 0.2), ..Pose::identity() };
+///     free_travel(&cube, &cube, &RelativePose::from(&start), &-Vec3::x_axis(), 10.0)
+/// };
+/// assert!(travel(0.3).is_some_and(|travel| (travel - 4.0).abs() < 1e-12));
+/// assert!(travel(1.1).is_none(), "it passes");
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
+pub fn free_travel(
     first: &CollisionShape,
     second: &CollisionShape,
     start: &RelativePose,
@@ -100,7 +117,12 @@ impl<'a> Search<'a> {
         if a.is_leaf && !b.is_leaf {
             let entries = self.entries(&a.bound, &self.motion.block(&b.discs), 1.0);
             for lane in Bits(self.sooner(&entries)) {
-                self.push(index_a, b.children[lane], entries[lane], &mut soonest);
+                push_in_front(
+                    &mut self.stack,
+                    (entries[lane], index_a, b.children[lane]),
+                    entries[lane],
+                    &mut soonest,
+                );
             }
             return;
         }
@@ -109,7 +131,12 @@ impl<'a> Search<'a> {
         let rows = self.entries(&b_bound, &a.discs, -1.0);
         if b.is_leaf && !a.is_leaf {
             for lane in Bits(self.sooner(&rows)) {
-                self.push(a.children[lane], index_b, rows[lane], &mut soonest);
+                push_in_front(
+                    &mut self.stack,
+                    (rows[lane], a.children[lane], index_b),
+                    rows[lane],
+                    &mut soonest,
+                );
             }
             return;
         }
@@ -120,26 +147,14 @@ impl<'a> Search<'a> {
                 if a.is_leaf {
                     self.visit_triangles(a.children[row], b.children[lane]);
                 } else {
-                    self.push(
-                        a.children[row],
-                        b.children[lane],
+                    push_in_front(
+                        &mut self.stack,
+                        (entries[lane], a.children[row], b.children[lane]),
                         entries[lane],
                         &mut soonest,
                     );
                 }
             }
-        }
-    }
-
-    /// Puts two nodes on the stack; the soonest of those that a visit pushes stays on top.
-    #[inline(always)]
-    fn push(&mut self, a: u32, b: u32, entry: f32, soonest: &mut f32) {
-        self.stack.push((entry, a, b));
-        let top = self.stack.len() - 1;
-        if entry < *soonest {
-            *soonest = entry;
-        } else if top > 0 {
-            self.stack.swap(top - 1, top);
         }
     }
 

@@ -23,6 +23,18 @@ pub(super) fn rounding_angstrom(
     ((first.radius + second.radius + pose.translation.norm()) * ROUNDING) as f32
 }
 
+/// Puts a pair of nodes on a stack; the one with the least key of those that a visit pushes stays on top.
+#[inline(always)]
+pub(super) fn push_in_front<T>(stack: &mut Vec<T>, pair: T, key: f32, least: &mut f32) {
+    stack.push(pair);
+    let top = stack.len() - 1;
+    if key < *least {
+        *least = key;
+    } else if top > 0 {
+        stack.swap(top - 1, top);
+    }
+}
+
 /// Result of a descent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum SurfaceRelation {
