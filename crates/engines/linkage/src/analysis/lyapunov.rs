@@ -281,16 +281,9 @@ impl<'a, F: Flow, G: Flow> Neighbours<'a, F, G> {
         settings.check()?;
         state.check(network)?;
         let mut weights = Vec::with_capacity(state.positions.len());
-        for square in &network.squares {
-            weights.extend([square.mass, square.mass, square.inertia]);
+        for body in 0..network.bodies() {
+            weights.extend(network.inertia_per_coordinate(body));
         }
-        weights.extend(
-            network
-                .cell_mass
-                .map(|mass| [mass; 3])
-                .into_iter()
-                .flatten(),
-        );
         let mut neighbour = state.clone();
         let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, Purpose::LyapunovDirection);
         for numbers in [&mut neighbour.positions, &mut neighbour.velocities] {

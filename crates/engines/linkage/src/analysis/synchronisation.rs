@@ -41,10 +41,9 @@ pub fn angles(positions: &[f64]) -> Vec<f64> {
 /// (-1)^(i+j) θ of every square.
 pub fn staggered(network: &Network, positions: &[f64]) -> Vec<f64> {
     let angles = state::angles(positions).enumerate();
-    let of_squares = angles.take(network.squares.len());
-    of_squares
-        .map(|(p, angle)| network.sign(p) * angle)
-        .collect()
+    // A flexible cell comes after the squares.
+    let squares = angles.take(network.squares.len());
+    squares.map(|(p, angle)| network.sign(p) * angle).collect()
 }
 
 /// θ_a - θ_b of all pairs a < b, in the order (0, 1), (0, 2), ... (1, 2), ... The angles are those

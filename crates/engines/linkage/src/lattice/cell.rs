@@ -53,26 +53,26 @@ impl Cell {
     /// The cell of a network at these positions; zero for open edges.
     pub fn read(network: &Network, positions: &[f64]) -> Self {
         match network.cell_place() {
-            Some(place) => Self::of_components(&positions[place..]),
-            None => Self::at_first(network),
+            Some(place) => Self::from_components(&positions[place..]),
+            None => Self::coherent(network),
         }
     }
 
     /// The rate of change of the cell at these velocities; zero for a fixed one.
     pub fn rate(network: &Network, velocities: &[f64]) -> Self {
         match network.cell_place() {
-            Some(place) => Self::of_components(&velocities[place..]),
+            Some(place) => Self::from_components(&velocities[place..]),
             None => Self::default(),
         }
     }
 
-    /// The cell of the coherent state for which the network was made.
-    pub fn at_first(network: &Network) -> Self {
+    /// The cell of the coherent state for which the network was made; zero for open edges.
+    pub fn coherent(network: &Network) -> Self {
         let [xx, yy] = network.cell.unwrap_or_default();
         Self { xx, yy, xy: 0.0 }
     }
 
-    fn of_components(components: &[f64]) -> Self {
+    fn from_components(components: &[f64]) -> Self {
         match *components {
             [xx, yy, xy, ..] => Self { xx, yy, xy },
             _ => Self::default(),
@@ -90,7 +90,7 @@ impl Cell {
         [right * self.xx + up * self.xy, up * self.yy]
     }
 
-    /// Bound of the way of images up to this many cells away since the cell was `first`.
+    /// Upper bound on how far images up to this many cells away have moved since the cell was `first`.
     pub(crate) fn largest_shift_since(&self, first: &Self, [right, up]: Vector) -> f64 {
         let [xx, yy, xy] = [self.xx - first.xx, self.yy - first.yy, self.xy - first.xy];
         right * xx.abs() + up * (yy.abs() + xy.abs())
@@ -166,7 +166,7 @@ mod tests {
         for component in 0..3 {
             let mut moved = cell.components();
             moved[component] += 1.0;
-            let change = energies(&Cell::of_components(&moved));
+            let change = energies(&Cell::from_components(&moved));
             for (number, slope) in slopes.iter().enumerate() {
                 let difference = change[number] - energies(&cell)[number];
                 assert!((difference - slope[component]).abs() < 1e-13);

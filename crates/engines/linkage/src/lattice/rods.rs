@@ -128,7 +128,7 @@ impl RodGeometry {
                 corner_at_rest(network, rod.from),
                 corner_at_rest(network, rod.to),
             ],
-            shift: Cell::at_first(network).shift(image),
+            shift: Cell::coherent(network).shift(image),
             crossing: network.cell_place().and_then(crosses),
             length: rod.length,
         }

@@ -314,7 +314,7 @@ impl Start {
             }
             StartVelocities::Checkerboard { rate } => coherent_velocities(network, rate, state),
             StartVelocities::Uniform { largest, .. } => {
-                for velocity in of_squares(network, &mut state.velocities) {
+                for velocity in square_rates(network, &mut state.velocities) {
                     velocity[2] = rng.uniform_in(-largest, largest);
                 }
             }
@@ -322,7 +322,7 @@ impl Start {
                 if rate != 0.0 {
                     coherent_velocities(network, rate, state);
                 }
-                for velocity in of_squares(network, &mut state.velocities) {
+                for velocity in square_rates(network, &mut state.velocities) {
                     velocity[2] += spread * rng.normal();
                 }
             }
@@ -356,7 +356,7 @@ impl StartVelocities {
 pub fn coherent_velocities(network: &Network, rate: f64, state: &mut State) {
     let [_, angle] = coherent_part(network, &state.positions);
     let opening = -2.0 * network.first_half_diagonal() * (angle - FRAC_PI_4).sin() * rate;
-    for (p, velocity) in of_squares(network, &mut state.velocities).enumerate() {
+    for (p, velocity) in square_rates(network, &mut state.velocities).enumerate() {
         let [right, up] = from_middle(network, p);
         velocity[0] = right * opening;
         velocity[1] = up * opening;
@@ -425,7 +425,7 @@ fn sum_of_squares(network: &Network, velocities: &[f64]) -> f64 {
 }
 
 /// ẋ, ẏ, ω of every square, without a flexible cell.
-fn of_squares<'a>(
+fn square_rates<'a>(
     network: &Network,
     velocities: &'a mut [f64],
 ) -> impl Iterator<Item = &'a mut [f64]> {

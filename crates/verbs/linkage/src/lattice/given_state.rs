@@ -143,7 +143,7 @@ impl GivenState {
         };
         if !has_cell && network.cell_mass.is_some() {
             // Squares from elsewhere: the cell is that of the settings, at rest.
-            state.positions.extend(Cell::at_first(network).components());
+            state.positions.extend(Cell::coherent(network).components());
             state.velocities.extend([0.0; 3]);
         }
         let first_state = settings.first_state();

@@ -110,8 +110,8 @@ fn polygon(size: f64) -> String {
 pub fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk> {
     let (mut places, mut angles) = (Vec::new(), Vec::new());
     let squares = 3 * network.squares.len();
-    let of_squares = &state.positions[..squares];
-    for square in of_squares.chunks_exact(3) {
+    let square_positions = &state.positions[..squares];
+    for square in square_positions.chunks_exact(3) {
         places.push([square[0], square[1]]);
         angles.push(square[2]);
     }
@@ -157,7 +157,11 @@ pub fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Ch
         Chunk::new("particles/orientation", 4, ChunkData::F32(orientations)),
         Chunk::new("log/time", 1, ChunkData::F64(vec![state.time])),
         Chunk::new("log/energy", 1, ChunkData::F64(vec![energy])),
-        Chunk::new("log/positions", 3, ChunkData::F64(of_squares.to_vec())),
+        Chunk::new(
+            "log/positions",
+            3,
+            ChunkData::F64(square_positions.to_vec()),
+        ),
     ];
     if state.positions.len() > squares {
         let cell = state.positions[squares..].to_vec();

@@ -192,8 +192,7 @@ impl Detector {
     /// Finds what closes on the path from this state to `next`: fills `hot` and `roots`.
     fn scan(&mut self, network: &Network, state: &State, next: &[f64], step: f64) -> Result<()> {
         let path = Path::new(network, state, next, step);
-        let images = self.candidates.listed_images(network);
-        let travel = path.travel(images);
+        let travel = path.travel(self.candidates.listed_images());
         if !travel.is_finite() {
             let is_wrong = |number: &f64| !number.is_finite();
             return Err(CrystalError::NotFinite {

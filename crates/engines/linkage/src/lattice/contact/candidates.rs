@@ -47,6 +47,8 @@ pub struct Candidates {
     cell: Cell,
     /// Images within reach, in cells along x and y, or more.
     farthest_image: Vector,
+    /// Images of the pairs and of the ends of rods in a flexible cell, at most, in cells along x and y.
+    listed_images: Vector,
     rebuilds: u64,
 }
 
@@ -62,6 +64,7 @@ impl Candidates {
             radii: Vec::new(),
             cell: Cell::default(),
             farthest_image: [0.0; 2],
+            listed_images: [0.0; 2],
             rebuilds: 0,
         };
         list.rebuild(network, positions);
@@ -74,18 +77,9 @@ impl Candidates {
     }
 
     /// Largest distance, in cells along x and y, of an image of a pair or of the end of a rod.
-    pub(crate) fn listed_images(&self, network: &Network) -> [f64; 2] {
-        let mut farthest = [0_i32; 2];
-        if network.cell_mass.is_none() {
-            return [0.0; 2];
-        }
-        let of_rods = network.rods.iter().map(|rod| rod.image);
-        for image in of_rods.chain(self.pairs.iter().map(|pair| pair.image)) {
-            for (farthest, cells) in farthest.iter_mut().zip(image) {
-                *farthest = (*farthest).max(cells.abs());
-            }
-        }
-        farthest.map(f64::from)
+    /// Zero where the cell is fixed.
+    pub(crate) fn listed_images(&self) -> Vector {
+        self.listed_images
     }
 
     /// Number of times the list was made.
@@ -156,6 +150,21 @@ impl Candidates {
             pairs.sort_by(in_order);
             self.pairs.extend_from_slice(&pairs);
         }
+        self.listed_images = self.farthest_listed_image(network);
+    }
+
+    fn farthest_listed_image(&self, network: &Network) -> Vector {
+        let mut farthest = [0_i32; 2];
+        if network.cell_mass.is_none() {
+            return [0.0; 2];
+        }
+        let rods = network.rods.iter().map(|rod| rod.image);
+        for image in rods.chain(self.pairs.iter().map(|pair| pair.image)) {
+            for (farthest, cells) in farthest.iter_mut().zip(image) {
+                *farthest = (*farthest).max(cells.abs());
+            }
+        }
+        farthest.map(f64::from)
     }
 
     /// Bound of the distance, in cells, of an image within reach: the extent of all bodies and one

@@ -270,8 +270,8 @@ fn rod_corner_row(
     row.push(ends.to.square, -share, normal, layout.arm(ends.to));
     // The rod's own image pulls by the lever, too.
     let [right, up] = [0, 1].map(|axis| {
-        let [of_rod, of_end] = [image[axis], ends.image[axis]].map(f64::from);
-        -of_rod - share * of_end
+        let [rod_image, end_image] = [image[axis], ends.image[axis]].map(f64::from);
+        -rod_image - share * end_image
     });
     row.push_image(layout.network, normal, [right, up]);
     row

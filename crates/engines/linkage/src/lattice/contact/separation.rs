@@ -64,7 +64,7 @@ pub(crate) fn shift_in_motion(
     }
     let image = image.map(f64::from);
     if network.cell_mass.is_none() {
-        return (Cell::at_first(network).shift(image), [0.0; 2]);
+        return (Cell::coherent(network).shift(image), [0.0; 2]);
     }
     let (cell, rate) = motion(network.squares.len());
     let [cell, rate] = [cell, rate].map(|[xx, yy, xy]| Cell { xx, yy, xy });
