@@ -2,7 +2,7 @@
 //! closed form, and the heat bath.
 
 use crate::common::brute_force::{corner, smallest_height};
-use crate::common::engine;
+use crate::common::{engine, loose};
 use nalgebra::DMatrix;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::spline::{Ends, Spline};
@@ -468,19 +468,6 @@ fn rows_of_contacts_are_the_gradients_of_gaps() {
     }
 }
 
-/// Squares without rods in a flexible cell.
-fn loose(count: usize, cell: Option<[f64; 2]>) -> Network {
-    Network {
-        rows: 1,
-        columns: count,
-        squares: vec![Square::default(); count],
-        rods: Vec::new(),
-        cell,
-        cell_mass: cell.map(|_| 1.0),
-        places: None,
-    }
-}
-
 #[test]
 fn pairs_in_a_leaning_cell_are_those_of_brute_force() {
     let mut rng = CounterRng::new(2, 0, 0);
@@ -490,7 +477,9 @@ fn pairs_in_a_leaning_cell_are_those_of_brute_force() {
         (12, 6.5, 5.2, 4.0),
         (3, 3.1, 2.9, -1.2),
     ] {
-        let network = loose(count, Some([1.0, 1.0]));
+        let network = loose(count, Some([1.0, 1.0]))
+            .with_flexible_cell(1.0)
+            .unwrap();
         let cell = Cell { xx, yy, xy };
         for _ in 0..20 {
             let mut positions = Vec::new();
@@ -576,7 +565,7 @@ fn squares_collide_across_the_edges_of_a_flexible_cell() {
 /// Free squares in a cell on which only they push: the cell takes the impulses at its edges.
 #[test]
 fn free_squares_push_the_cell() {
-    let network = Arc::new(loose(4, Some([5.0, 5.0])));
+    let network = Arc::new(loose(4, Some([5.0, 5.0])).with_flexible_cell(1.0).unwrap());
     let mut state = State {
         time: 0.0,
         positions: Vec::new(),

@@ -1,9 +1,8 @@
 //! Collisions against slow twins, and long runs.
 
-use protomer_kernel::bisection::halved;
-
 use crate::common::brute_force::{corner, cut_squares, smallest_height};
-use crate::common::{engine, lattice, random_start};
+use crate::common::{engine, lattice, loose, random_start};
+use protomer_kernel::bisection::halved;
 use protomer_kernel::random::CounterRng;
 use protomer_linkage::CrystalError;
 use protomer_linkage::lattice::collision::detection::Detector;
@@ -16,19 +15,6 @@ use protomer_linkage::lattice::{
 };
 use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};
 use std::sync::Arc;
-
-/// Squares without rods.
-fn loose(count: usize, cell: Option<[f64; 2]>) -> Network {
-    Network {
-        rows: 1,
-        columns: count,
-        squares: vec![Square::default(); count],
-        rods: Vec::new(),
-        cell,
-        cell_mass: None,
-        places: None,
-    }
-}
 
 #[test]
 fn separation_has_the_sign_of_the_corner_test() {

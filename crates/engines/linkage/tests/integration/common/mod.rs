@@ -11,6 +11,19 @@ use protomer_linkage::lattice::{
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
 
+/// Squares without rods.
+pub fn loose(count: usize, cell: Option<[f64; 2]>) -> Network {
+    Network {
+        rows: 1,
+        columns: count,
+        squares: vec![Square::default(); count],
+        rods: Vec::new(),
+        cell,
+        cell_mass: None,
+        places: None,
+    }
+}
+
 /// The open lattice of unit squares.
 pub fn lattice(size: usize, r0: f64) -> Arc<Network> {
     Arc::new(Network::lattice(size, size, r0, Square::default(), Edges::Open, FRAC_PI_4).unwrap())
