@@ -95,22 +95,18 @@ fn main() {
     tell("whole", seconds_per_call(whole));
     let points = near_surface(&solid, &accessible);
     let mut places = points.iter().cycle();
-    tell(
-        "signed distance",
-        seconds_per_call(|| {
-            for point in places.by_ref().take(1000) {
-                black_box(solid.signed_distance(black_box(point)));
-            }
-        }) / 1000.0,
-    );
-    tell(
-        "project",
-        seconds_per_call(|| {
-            for point in places.by_ref().take(1000) {
-                black_box(solid.project(black_box(point)));
-            }
-        }) / 1000.0,
-    );
+    let mut each_of_thousand = |work: &dyn Fn(&Vec3)| {
+        let seconds = seconds_per_call(|| places.by_ref().take(1000).for_each(work));
+        seconds / 1000.0
+    };
+    let measure_distance = |point: &Vec3| {
+        black_box(solid.signed_distance(black_box(point)));
+    };
+    tell("signed distance", each_of_thousand(&measure_distance));
+    let project = |point: &Vec3| {
+        black_box(solid.project(black_box(point)));
+    };
+    tell("project", each_of_thousand(&project));
 }
 
 /// Grid points within 0.7 Å of the surface, in grid order as a mesher visits them.
