@@ -23,7 +23,7 @@ pub fn halved(mut ends: [f64; 2], times: u32, holds: impl Fn(f64) -> bool) -> [f
 /// let [above, below] = narrowed([3.0, 0.0], 1e-6, |x| x * x > 2.0);
 /// assert!(above - below <= 1e-6 && above * above > 2.0);
 /// ```
-pub fn narrowed(mut ends: [f64; 2], width: f64, holds: impl Fn(f64) -> bool) -> [f64; 2] {
+pub fn narrowed(mut ends: [f64; 2], width: f64, mut holds: impl FnMut(f64) -> bool) -> [f64; 2] {
     while (ends[1] - ends[0]).abs() > width {
         let middle = f64::midpoint(ends[0], ends[1]);
         if ends.contains(&middle) {

@@ -12,6 +12,7 @@
 
 pub mod analysis;
 mod error;
+mod floppy;
 pub mod framework;
 pub mod lattice;
 mod plane;

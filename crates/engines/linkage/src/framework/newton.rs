@@ -1,7 +1,7 @@
 //! Newton steps of nodes and cell together.
 
 use super::energy::{Configuration, Derivatives, NetworkEnergy};
-use super::relaxation::with_shift;
+use crate::floppy::with_shift;
 use crate::plane::largest_magnitude;
 use nalgebra::{DMatrix, DVector};
 use protomer_kernel::sparse::LdlFactor;

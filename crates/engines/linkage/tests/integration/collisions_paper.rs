@@ -17,7 +17,8 @@ fn the_ansatz_is_singular_from_four_on_and_misses_rods_at_third_order() {
         let mut free = vec![0.0; state.positions.len()];
         let mut total = free.clone();
         dynamics.accelerations_into(&mut free, &mut total);
-        let ansatz = Ansatz::new(&network, &state.positions, &state.velocities, &free, &total);
+        let mut ansatz =
+            Ansatz::new(&network, &state.positions, &state.velocities, &free, &total).unwrap();
         let errors: Vec<f64> = [2e-3, 1e-3]
             .iter()
             .map(|time| {

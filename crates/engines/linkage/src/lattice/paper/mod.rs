@@ -258,10 +258,10 @@ impl PaperEngine {
     ) -> Result<Vec<Option<f64>>> {
         let mut at_end = state.clone();
         let end = self.next.clone();
-        let forward = self.roots_by_ansatz(network, state, step, hits);
+        let forward = self.roots_by_ansatz(network, state, step, hits)?;
         // `arrive` completes the last drift, which was that of the whole step.
         self.dynamics.arrive(&mut at_end, step, &end)?;
-        let backward = self.roots_by_ansatz(network, &at_end, -step, hits);
+        let backward = self.roots_by_ansatz(network, &at_end, -step, hits)?;
         self.dynamics.prepare(state)?;
         let mut times = Vec::with_capacity(hits.len());
         for pair in forward.into_iter().zip(backward) {
@@ -284,23 +284,23 @@ impl PaperEngine {
         state: &State,
         step: f64,
         hits: &[Hit],
-    ) -> Vec<Option<f64>> {
+    ) -> Result<Vec<Option<f64>>> {
         let mut free = vec![0.0; state.positions.len()];
         let mut total = free.clone();
         self.dynamics.accelerations_into(&mut free, &mut total);
-        let ansatz = Ansatz::new(network, &state.positions, &state.velocities, &free, &total);
+        let mut ansatz = Ansatz::new(network, &state.positions, &state.velocities, &free, &total)?;
         let mut times = Vec::with_capacity(hits.len());
         for hit in hits {
-            let time = root_by_ansatz(&ansatz, network, step, hit);
+            let time = root_by_ansatz(&mut ansatz, network, step, hit);
             if let Some(time) = time {
-                self.measure_ansatz(&ansatz, network, time);
+                self.measure_ansatz(&mut ansatz, network, time);
             }
             times.push(time);
         }
-        times
+        Ok(times)
     }
 
-    fn measure_ansatz(&mut self, ansatz: &Ansatz, network: &Network, time: f64) {
+    fn measure_ansatz(&mut self, ansatz: &mut Ansatz, network: &Network, time: f64) {
         let landing = ansatz.land(time);
         let mut rods = RodSystem::new(network);
         let mut sigma = vec![0.0; rods.len()];
@@ -397,8 +397,8 @@ impl Hit {
 }
 
 /// The time at which the ansatz takes a corner through the side of its target, by bisection.
-fn root_by_ansatz(ansatz: &Ansatz, network: &Network, step: f64, hit: &Hit) -> Option<f64> {
-    let is_inside = |time: f64| height(network, &ansatz.land(time).positions, hit) < 0.0;
+fn root_by_ansatz(ansatz: &mut Ansatz, network: &Network, step: f64, hit: &Hit) -> Option<f64> {
+    let mut is_inside = |time: f64| height(network, &ansatz.land(time).positions, hit) < 0.0;
     let starts_inside = is_inside(0.0);
     if starts_inside == is_inside(step) {
         return None;
