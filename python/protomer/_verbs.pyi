@@ -1729,6 +1729,7 @@ class _Md:
         share: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
         rounding: float | str | None = None,
         keep_size: bool = False,
+        fixed_orientations: bool = False,
         bodies: int | str | None = None,
         packing_fraction: float | str | None = None,
         potential: Literal["contact", "face-sum", "smooth"] | None = None,

@@ -162,7 +162,7 @@ impl Engine {
     /// As [`Engine::new`]; also for a box that is too short for a table of heights, and for heights at constant pressure.
     pub fn with_added(
         bodies: Bodies,
-        state: State,
+        mut state: State,
         settings: Settings,
         added: Added,
     ) -> Result<Self> {
@@ -170,6 +170,11 @@ impl Engine {
             return Err(Error::OtherBodies);
         }
         let count = bodies.count();
+        for (body, spin) in state.spins.iter_mut().enumerate() {
+            if bodies.kind(body).is_fixed() {
+                *spin = Vec3::zeros();
+            }
+        }
         let motion = Motion {
             steps: 0,
             potential_energy: 0.0,
@@ -439,9 +444,12 @@ impl Engine {
         for body in 0..self.bodies.count() {
             let kind = self.bodies.kind(body);
             state.velocities[body] += time / kind.mass * motion.forces[body];
+            if kind.turns() == 0 {
+                continue;
+            }
             if is_flat {
                 state.spins[body].z += time * motion.torques[body].z;
-            } else if !kind.is_ball() {
+            } else {
                 // Torques are in space, spins in the frame of the body.
                 let torque = state.rotations[body].inverse() * motion.torques[body];
                 state.spins[body] += time * torque;
@@ -480,6 +488,9 @@ impl Engine {
             let wander = (2.0 * temperature * displacement_per_force).sqrt();
             state.positions[body] += displacement_per_force * motion.forces[body];
             state.positions[body] += wander * normal_vector(noise, kind.dimension);
+            if kind.turns() == 0 {
+                continue;
+            }
             let turns = normal_turns(noise, kind.turns());
             let about = kind.moments.map(|moment| time / (friction * moment));
             let wander = about.map(|about| (2.0 * temperature * about).sqrt());

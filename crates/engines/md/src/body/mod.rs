@@ -54,6 +54,7 @@ pub struct Kind {
     pub moments: Vec3,
     /// Turn from the frame of the shape, as its file has it, to the axes of the body.
     pub frame: Rotation,
+    is_fixed: bool,
     pub(crate) inradius: f64,
     pub(crate) circumradius: f64,
 }
@@ -244,6 +245,7 @@ impl Kind {
             mass,
             moments,
             frame: Rotation::identity(),
+            is_fixed: false,
         }
     }
 
@@ -270,6 +272,7 @@ impl Kind {
         let moments = self.moments * factor.powi(dimension + 2);
         Ok(Self {
             frame: self.frame,
+            is_fixed: self.is_fixed,
             ..Self::made(self.dimension, parts, mass, moments)
         })
     }
@@ -302,6 +305,28 @@ impl Kind {
         self.parts.iter().all(Part::is_ball)
     }
 
+    /// A body whose orientation never changes, whatever torques act on it.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_md::body::Kind;
+    /// let needle = Kind::ellipsoid(3, Vec3::new(1.0, 1.0, 2.0))?;
+    /// assert_eq!(needle.with_fixed_orientation().turns(), 0);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_fixed_orientation(self) -> Self {
+        Self {
+            is_fixed: true,
+            ..self
+        }
+    }
+
+    /// Whether the orientation never changes.
+    pub(crate) fn is_fixed(&self) -> bool {
+        self.is_fixed
+    }
+
     /// The inradius of the smallest part: the radius of the largest ball about its centre that fits
     /// in.
     pub fn inradius(&self) -> f64 {
@@ -331,7 +356,7 @@ impl Kind {
     /// # Ok::<(), protomer_md::Error>(())
     /// ```
     pub fn turns(&self) -> usize {
-        match (self.is_ball(), self.dimension) {
+        match (self.is_ball() || self.is_fixed, self.dimension) {
             (true, _) => 0,
             (false, 2) => 1,
             (false, _) => 3,

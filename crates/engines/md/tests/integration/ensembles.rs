@@ -156,6 +156,31 @@ fn bodies_of_all_kinds_keep_their_energy() {
 }
 
 #[test]
+fn bodies_with_fixed_orientations_keep_them_and_their_energy() {
+    for (name, count) in [("polygon:4", 36), ("octahedron", 64)] {
+        let kind = Kind::from_polytope(&polytope(name)).unwrap();
+        let turning = Bodies::of_one_kind(kind.of_unit_volume().unwrap(), count);
+        let mut first = on_a_lattice(&turning, free_density(&turning), 5).unwrap();
+        let fixed = kind.with_fixed_orientation().of_unit_volume().unwrap();
+        let bodies = Bodies::of_one_kind(fixed, count);
+        let engine = compressed(&bodies, Form::Smooth.into(), 1.3, 600);
+        let state = &engine.motion().state;
+        assert_eq!(state.angles_rad, first.angles_rad, "{name}");
+        assert_eq!(state.rotations, first.rotations, "{name}");
+        assert!(engine.motion().potential_energy != 0.0, "{name}");
+        let [_, fine, change] = kept(&engine, 0.15);
+        assert!(fine < 2e-4 && change.abs() < 4e-4, "{name} {fine} {change}");
+        // Spins of a state that is given end.
+        first.spins.fill(Vec3::z());
+        let engine = Engine::new(bodies, first, *engine.settings()).unwrap();
+        assert_eq!(
+            engine.motion().state.kinetic_energies(engine.bodies())[1],
+            0.0
+        );
+    }
+}
+
+#[test]
 fn a_union_moves_as_its_parts_say() {
     // A square in two halves has the mass, the moment and, in the contact form, the closest points of
     // the whole. The repulsion's length is that of the half, so it is compared in free flight and by

@@ -174,6 +174,7 @@ impl Live for LiveDynamics {
             share: settings.share.clone(),
             rounding: settings.rounding,
             keep_size: settings.keep_size,
+            fixed_orientations: settings.fixed_orientations,
             bodies: settings.bodies,
             packing_fraction: settings.packing_fraction,
             compress_from: settings.compress_from,

@@ -59,6 +59,8 @@ protomer_common::settings! {
         rounding: f64 = 0.0, in NOT_NEGATIVE;
         /// Keep the size of the shape instead of scaling it to area or volume one.
         keep_size: bool;
+        /// Let no body turn: its orientation stays that of the start.
+        fixed_orientations: bool, omit "is_default";
         /// Number of bodies.
         bodies: usize = 1000_usize, in Count::new(2, 1 << 30);
         /// Part of the space that bodies with their layer fill.

@@ -76,9 +76,13 @@ pub(super) fn kinds(settings: &DynamicsSettings) -> Result<Vec<Kind>> {
                 kind.mass.powf(-1.0 / kind.dimension as f64)
             );
         }
-        kinds.push(match settings.keep_size {
+        let sized = match settings.keep_size {
             true => kind,
             false => kind.of_unit_volume()?,
+        };
+        kinds.push(match settings.fixed_orientations {
+            true => sized.with_fixed_orientation(),
+            false => sized,
         });
     }
     Ok(kinds)
