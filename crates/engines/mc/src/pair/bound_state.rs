@@ -206,7 +206,7 @@ impl Region {
         let near_limit = (0.8 * self.limit_angstrom).powi(2);
         for (live, ln_weight) in runs.iter().flat_map(|run| &run.states) {
             let weight = (ln_weight - all).exp();
-            let square = self.square_displacement(&live.state);
+            let square = self.square_displacement_at_place(&live.state);
             state.mean_energy_kt += weight * live.energy_kt;
             state.displacement_angstrom += weight * square;
             if square > near_limit {

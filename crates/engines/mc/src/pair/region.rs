@@ -3,7 +3,7 @@
 //! The displacement is the root mean square over the points of the body: with the shift s, the angle θ and the
 //! radius of gyration R of its volume, s² + 4/3 (1 - cos θ) R².
 
-use super::wells::square_displacement;
+use super::wells::{square_displacement, versine};
 use nalgebra::{UnitQuaternion, Vector6};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Pose, Vec3};
@@ -22,12 +22,24 @@ pub(crate) struct Region {
 }
 
 impl Region {
-    /// Square of the displacement of the body, Å².
-    pub fn square_displacement(&self, place: &Vector6<f64>) -> f64 {
+    /// Square of the displacement of the body at a pose, Å².
+    pub fn square_displacement(&self, pose: &Pose) -> f64 {
+        let turn = pose.rotation * self.about.rotation.inverse();
+        let square_shift = (pose.position - self.about.position).norm_squared();
+        square_displacement(
+            square_shift,
+            versine(&turn),
+            self.square_of_gyration_angstrom2,
+        )
+    }
+
+    /// Square of the displacement of the body at a place, Å².
+    pub fn square_displacement_at_place(&self, place: &Vector6<f64>) -> f64 {
         let (shift, turn) = parts(place);
+        let versine = 1.0 - turn.norm().cos();
         square_displacement(
             shift.norm_squared(),
-            turn.norm(),
+            versine,
             self.square_of_gyration_angstrom2,
         )
     }
@@ -48,7 +60,12 @@ impl Region {
     pub fn holds(&self, place: &Vector6<f64>) -> bool {
         let (_, turn) = parts(place);
         // |turn| ≤ π: every rotation has one vector, so none is counted twice.
-        turn.norm() <= PI && self.square_displacement(place) < self.limit_angstrom.powi(2)
+        turn.norm() <= PI && self.square_displacement_at_place(place) < self.limit_angstrom.powi(2)
+    }
+
+    /// Whether a pose is within the limit: as [`Region::holds`] for its place, without its angles.
+    pub fn holds_pose(&self, pose: &Pose) -> bool {
+        self.square_displacement(pose) < self.limit_angstrom.powi(2)
     }
 
     /// ∫ d³R dΩ/8π² over the region, Å³: with the density (1 - cos θ)/π of rotation angles and the ball that
@@ -62,7 +79,8 @@ impl Region {
         // is smooth but at its end, where it vanishes.
         for interval in 0..INTERVALS {
             let angle = (interval as f64 + 0.5) * step;
-            let turned = square_displacement(0.0, angle, self.square_of_gyration_angstrom2);
+            let turned =
+                square_displacement(0.0, 1.0 - angle.cos(), self.square_of_gyration_angstrom2);
             let radius = (self.limit_angstrom.powi(2) - turned).max(0.0).sqrt();
             sum += (1.0 - angle.cos()) / PI * 4.0 / 3.0 * PI * radius.powi(3) * step;
         }
@@ -117,5 +135,42 @@ pub(crate) fn density(place: &Vector6<f64>) -> f64 {
     match angle_rad < 1e-4 {
         true => 1.0,
         false => 2.0 * (1.0 - angle_rad.cos()) / angle_rad.powi(2),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_is_held_if_its_place_is() {
+        let mut rng = CounterRng::new(3, 0, 0);
+        let region = Region {
+            about: Pose {
+                position: rng.vector_in_ball(9.0),
+                rotation: rng.rotation(),
+            },
+            square_of_gyration_angstrom2: 40.0,
+            limit_angstrom: 5.0,
+        };
+        let mut held = 0;
+        for _ in 0..2000 {
+            let pose = Pose {
+                position: region.about.position + rng.vector_in_ball(6.0),
+                rotation: rng.small_rotation(1.0) * region.about.rotation,
+            };
+            let place = region.place(&pose);
+            let squares = [
+                region.square_displacement(&pose),
+                region.square_displacement_at_place(&place),
+            ];
+            assert!(
+                (squares[0] - squares[1]).abs() < 1e-12 * squares[1],
+                "{squares:?}"
+            );
+            assert_eq!(region.holds_pose(&pose), region.holds(&place));
+            held += usize::from(region.holds(&place));
+        }
+        assert!((200..1800).contains(&held), "{held}");
     }
 }

@@ -2,7 +2,6 @@
 
 use super::BodyPair;
 use super::estimator::Found;
-use nalgebra::UnitQuaternion;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Pose, Rotation};
@@ -115,13 +114,18 @@ pub(super) struct Different {
     are_equal: bool,
 }
 
-/// Mean square displacement of the points of a body that is shifted and turned, Å².
+/// Mean square displacement of the points of a body that is shifted, and turned by an angle with this versine, Å².
 pub(super) fn square_displacement(
     square_shift_angstrom2: f64,
-    turn_rad: f64,
+    versine: f64,
     square_of_gyration_angstrom2: f64,
 ) -> f64 {
-    square_shift_angstrom2 + 4.0 / 3.0 * (1.0 - turn_rad.cos()) * square_of_gyration_angstrom2
+    square_shift_angstrom2 + 4.0 / 3.0 * versine * square_of_gyration_angstrom2
+}
+
+/// Versine 1 - cos θ of the angle of a rotation: 2 |v|² with the vector part v of its quaternion.
+pub(super) fn versine(turn: &Rotation) -> f64 {
+    2.0 * turn.imag().norm_squared()
 }
 
 impl Different {
@@ -172,10 +176,6 @@ impl Different {
     pub(super) fn square_distance(&self, a: &Pose, b: &Pose) -> f64 {
         let turn: Rotation = a.rotation.inverse() * b.rotation;
         let square_shift = (a.position - b.position).norm_squared();
-        square_displacement(
-            square_shift,
-            UnitQuaternion::angle(&turn),
-            self.square_of_gyration,
-        )
+        square_displacement(square_shift, versine(&turn), self.square_of_gyration)
     }
 }

@@ -193,8 +193,7 @@ impl<'a> Flexible<'a> {
                 (_, true) => configuration.poses[attached].then(&into_body),
                 _ => return true,
             };
-            let region = &self.regions[attached];
-            region.holds(&region.place(&relative))
+            self.regions[attached].holds_pose(&relative)
         })
     }
 

@@ -219,7 +219,7 @@ impl PartSamples {
         let last = part.bodies.len() - 1;
         let to = &configuration.poses[part.attached_to[last]];
         let relative = configuration.poses[last].then(&to.inverse());
-        region.square_displacement(&region.place(&relative))
+        region.square_displacement(&relative)
     }
 
     /// Samples of the part in a medium with other energies: drawn by their weights, then moved in that medium. `number` tells
@@ -409,8 +409,7 @@ impl Attachment {
 
     fn square_displacement(&self, state: &Grown) -> f64 {
         let relative = state.pose.then(&state.smaller.poses[self.to].inverse());
-        self.region
-            .square_displacement(&self.region.place(&relative))
+        self.region.square_displacement(&relative)
     }
 
     fn summary(&self, nested: &Nested<Grown>) -> Summary {
@@ -537,7 +536,7 @@ impl Growth<'_> {
             ..self.new.region.clone()
         };
         let relative = state.pose.then(&state.smaller.poses[place].inverse());
-        OVERLAP_KT + OVERLAP_KT_PER_ANGSTROM2 * region.square_displacement(&region.place(&relative))
+        OVERLAP_KT + OVERLAP_KT_PER_ANGSTROM2 * region.square_displacement(&relative)
     }
 
     /// A state and what orders it: its energy, kT.
@@ -602,9 +601,8 @@ impl Growth<'_> {
 
     /// Whether the new body stays within its limit when another moves.
     fn keeps_new_body(&self, state: &Grown, moved: &Moved) -> bool {
-        let region = &self.new.region;
         moved.body != self.new.to
-            || region.holds(&region.place(&state.pose.then(&moved.pose.inverse())))
+            || (self.new.region).holds_pose(&state.pose.then(&moved.pose.inverse()))
     }
 }
 

@@ -90,8 +90,8 @@ impl Pulled<'_> {
 
     /// Displacement of the last body, Å.
     fn displacement_angstrom(&self, last: &Pose, to: &Pose) -> f64 {
-        let place = self.region.place(&last.then(&to.inverse()));
-        self.region.square_displacement(&place).sqrt()
+        let relative = last.then(&to.inverse());
+        self.region.square_displacement(&relative).sqrt()
     }
 
     /// Whether the last body overlaps no other at a place next to a configuration of them.
@@ -192,7 +192,7 @@ impl Pulled<'_> {
                 let before = &self.before[rng.index(self.before.len())];
                 let place = region.draw(rng);
                 let pose = region.pose(&place).then(&before.poses[self.partner()]);
-                let displacement_angstrom = region.square_displacement(&place).sqrt();
+                let displacement_angstrom = region.square_displacement_at_place(&place).sqrt();
                 if displacement_angstrom < least_angstrom {
                     continue;
                 }

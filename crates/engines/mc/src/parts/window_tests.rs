@@ -56,7 +56,7 @@ impl BodyEnergies for Wells<'_> {
         };
         let region = self.region((i, j));
         let place = region.place(&b.then(&a.inverse()));
-        let square_angstrom2 = region.square_displacement(&place);
+        let square_angstrom2 = region.square_displacement_at_place(&place);
         let gap_angstrom = (a.position - b.position).norm() - NEAREST_ANGSTROM;
         if square_angstrom2 > LIMIT_ANGSTROM.powi(2) && gap_angstrom < TOUCHING_ANGSTROM {
             return -self.sticks_kt;
