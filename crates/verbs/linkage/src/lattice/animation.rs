@@ -5,12 +5,12 @@
 
 use super::directory::read_settings;
 use super::start::network;
-use super::trajectory::{corner_position, read_states};
+use super::trajectory::{corner_position, read_states_with_cells};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
 use protomer_io::written::{html, json_in_html};
-use protomer_linkage::lattice::{Network, Rod};
+use protomer_linkage::lattice::{Cell, Network};
 use protomer_results::ResultKind;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -32,8 +32,15 @@ const FRAME_PIXELS: f64 = 800.0;
 pub struct Animation {
     network: Network,
     title: String,
-    /// Frames: time, and x, y, θ of square after square.
-    frames: Vec<(f64, Vec<f64>)>,
+    frames: Vec<Frame>,
+}
+
+/// A frame: time, x, y, θ of square after square, and the periodic cell.
+#[derive(Debug, Clone, PartialEq)]
+struct Frame {
+    time: f64,
+    squares: Vec<f64>,
+    cell: Cell,
 }
 
 /// A page that was written.
@@ -114,7 +121,7 @@ impl Animation {
             )
         })?;
         let path = directory.join("trajectory.gsd");
-        let states = read_states(&path)?;
+        let states = read_states_with_cells(&path)?;
         if states.is_empty() {
             bail!(
                 "{} has no frames; run with --trajectory-every 50 or so",
@@ -126,10 +133,23 @@ impl Animation {
             "{} × {} squares, r0 = {:.4}, κ = {}",
             settings.rows, settings.columns, settings.r0, settings.kappa
         );
+        let network = network(&settings)?;
+        let mut frames = Vec::new();
+        for (time, mut squares, cell) in states.into_iter().step_by(stride) {
+            let count = squares.len();
+            squares.extend(cell);
+            let cell = Cell::read(&network, &squares);
+            squares.truncate(count);
+            frames.push(Frame {
+                time,
+                squares,
+                cell,
+            });
+        }
         Ok(Self {
-            network: network(&settings)?,
+            network,
             title,
-            frames: states.into_iter().step_by(stride).collect(),
+            frames,
         })
     }
 
@@ -152,8 +172,8 @@ impl Animation {
         let margin = 1.05 * largest;
         let [mut left, mut low] = [f64::INFINITY; 2];
         let [mut right, mut up] = [f64::NEG_INFINITY; 2];
-        for (_, positions) in &self.frames {
-            for square in positions.chunks_exact(3) {
+        for frame in &self.frames {
+            for square in frame.squares.chunks_exact(3) {
                 (left, right) = (left.min(square[0]), right.max(square[0]));
                 (low, up) = (low.min(square[1]), up.max(square[1]));
             }
@@ -178,35 +198,47 @@ impl Animation {
     /// The frames as JSON that is safe inside a script element.
     pub fn to_json(&self) -> String {
         let mut rods = Vec::new();
-        for rod in drawn_rods(&self.network) {
-            let ([x, y], from, to) = (shift(&self.network, rod), rod.from, rod.to);
+        for rod in &self.network.rods {
+            let (from, to, [right, up]) = (rod.from, rod.to, rod.image);
+            let ends = [from.square, to.square];
+            let vertices = [from.vertex, to.vertex];
             rods.push(serde_json::json!([
-                from.square,
-                from.vertex,
-                to.square,
-                to.vertex,
-                x,
-                y
+                ends[0],
+                vertices[0],
+                ends[1],
+                vertices[1],
+                right,
+                up
             ]));
         }
         let squares = self.network.squares.iter();
         let half_diagonals: Vec<f64> = squares.map(|square| square.half_diagonal).collect();
-        let (mut times, mut frames) = (Vec::new(), Vec::new());
-        for (time, positions) in &self.frames {
-            times.push(*time);
-            frames.push(rounded(positions));
+        let (mut times, mut frames, mut cells) = (Vec::new(), Vec::new(), Vec::new());
+        for frame in &self.frames {
+            times.push(frame.time);
+            frames.push(rounded(&frame.squares));
+            cells.push(rounded(&frame.cell.components()));
+        }
+        if self.network.cell_mass.is_none() {
+            // The same in every frame.
+            cells.truncate(1);
         }
         let times = rounded(&times);
         let data = serde_json::json!({
             "title": self.title, "bounds": self.bounds(), "size": half_diagonals, "rods": rods, "times": times,
-            "frames": frames,
+            "cells": cells, "frames": frames,
         });
         json_in_html(&data.to_string())
     }
 
     /// One frame as an SVG file.
     pub fn to_svg(&self, frame: usize) -> String {
-        let Some((time, positions)) = self.frames.get(frame) else {
+        let Some(Frame {
+            time,
+            squares: positions,
+            cell,
+        }) = self.frames.get(frame)
+        else {
             return String::new();
         };
         let [left, low, right, up] = self.bounds();
@@ -239,8 +271,8 @@ impl Animation {
                 colour(s[2])
             );
         }
-        for rod in drawn_rods(&self.network) {
-            let [dx, dy] = shift(&self.network, rod);
+        for rod in &self.network.rods {
+            let [dx, dy] = cell.shift(rod.image.map(f64::from));
             let [x1, y1] = place(corner_position(&self.network, positions, rod.from));
             let [x, y] = corner_position(&self.network, positions, rod.to);
             let [x2, y2] = place([x + dx, y + dy]);
@@ -262,22 +294,6 @@ impl Animation {
 
 /// Height of the caption below the picture.
 const CAPTION_PIXELS: f64 = 30.0;
-
-/// The rods of a picture: those across the edges of a flexible cell end where the frames do not tell.
-fn drawn_rods(network: &Network) -> impl Iterator<Item = &Rod> {
-    let is_flexible = network.cell_mass.is_some();
-    let rods = network.rods.iter();
-    rods.filter(move |rod| !is_flexible || rod.image == [0, 0])
-}
-
-/// The end of a rod relative to the corner it is drawn at: the nearest periodic image.
-fn shift(network: &Network, rod: &Rod) -> [f64; 2] {
-    let cell = network.cell.unwrap_or([0.0; 2]);
-    [
-        f64::from(rod.image[0]) * cell[0],
-        f64::from(rod.image[1]) * cell[1],
-    ]
-}
 
 /// Rounds numbers, as a tenth of a pixel is precise enough.
 fn rounded(numbers: &[f64]) -> Vec<f64> {

@@ -44,10 +44,12 @@ function playLattice(root, keys, data) {
     pen.strokeStyle = "#111";
     pen.lineCap = "round";
     pen.beginPath();
-    for (const [p, k, q, l, dx, dy] of data.rods) {
+    // A fixed cell is listed once.
+    const [xx, yy, xy] = data.cells[Math.min(Math.floor(frame), data.cells.length - 1)];
+    for (const [p, k, q, l, right, up] of data.rods) {
       const [x, y] = corner(q, l);
       pen.moveTo(...place(corner(p, k)));
-      pen.lineTo(...place([x + dx, y + dy]));
+      pen.lineTo(...place([x + right * xx + up * xy, y + up * yy]));
     }
     pen.stroke();
     slider.value = Math.floor(frame);

@@ -3,7 +3,7 @@
 //!
 //! Particles 0 to n-1 are the squares; particles n + 2k and n + 2k + 1 are the two ends of rod k.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use protomer_io::gsd::{Chunk, ChunkData, FrameWriter, GsdFile};
 use protomer_linkage::lattice::{Cell, Corner, Network, State};
 use serde_json::json;
@@ -197,6 +197,19 @@ fn enclosing(network: &Network, places: &[[f64; 2]]) -> [f64; 2] {
 /// # Errors
 /// If the file cannot be read, or is not the trajectory of a lattice.
 pub fn read_states(path: &Path) -> Result<Vec<(f64, Vec<f64>)>> {
+    let with_cells = read_states_with_cells(path)?;
+    let states = with_cells.into_iter();
+    Ok(states.map(|(time, squares, _)| (time, squares)).collect())
+}
+
+/// State of a frame: time, x, y, θ of every square, and the coordinates of a flexible cell, if there is one.
+pub type StateWithCell = (f64, Vec<f64>, Vec<f64>);
+
+/// Reads the states of a trajectory with their cells.
+///
+/// # Errors
+/// As [`read_states`].
+pub fn read_states_with_cells(path: &Path) -> Result<Vec<StateWithCell>> {
     let mut file = GsdFile::open(path)?;
     let mut states = Vec::new();
     for frame in 0..file.frames() {
@@ -204,14 +217,24 @@ pub fn read_states(path: &Path) -> Result<Vec<(f64, Vec<f64>)>> {
             Some(Chunk {
                 data: ChunkData::F64(values),
                 ..
-            }) => Ok(values),
-            _ => bail!(
-                "{}: frame {frame} has no {name}; is it the trajectory of a lattice?",
-                path.display()
-            ),
+            }) => Ok(Some(values)),
+            None => Ok(None),
+            Some(_) => Err(not_a_lattice(path, frame, name)),
         };
-        let time = numbers("log/time")?.first().copied().unwrap_or(f64::NAN);
-        states.push((time, numbers("log/positions")?));
+        let mut required = |name: &str| {
+            let values: Result<Option<Vec<f64>>> = numbers(name);
+            values?.ok_or_else(|| not_a_lattice(path, frame, name))
+        };
+        let time = required("log/time")?.first().copied().unwrap_or(f64::NAN);
+        let squares = required("log/positions")?;
+        states.push((time, squares, numbers(CELL)?.unwrap_or_default()));
     }
     Ok(states)
+}
+
+fn not_a_lattice(path: &Path, frame: u64, name: &str) -> anyhow::Error {
+    anyhow::anyhow!(
+        "{}: frame {frame} has no {name}; is it the trajectory of a lattice?",
+        path.display()
+    )
 }

@@ -310,6 +310,37 @@ fn a_page_needs_nothing_else_and_frames_show_every_square_and_rod() {
     assert!(Animation::read(&folder.path().join("elsewhere"), 5).is_err());
 }
 
+/// Lengths of the lines of a picture, pixels.
+fn line_lengths(svg: &str) -> Vec<f64> {
+    let mut lengths = Vec::new();
+    for line in svg.lines().filter(|line| line.starts_with("<line")) {
+        let number = |name: &str| -> f64 {
+            let rest = line.split(&format!("{name}=\"")).nth(1).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        lengths.push((number("x1") - number("x2")).hypot(number("y1") - number("y2")));
+    }
+    lengths
+}
+
+#[test]
+fn rods_across_a_flexible_cell_are_drawn_with_their_length() {
+    let folder = tempfile::tempdir().unwrap();
+    finish(&flexible(), folder.path());
+    let animation = Animation::read(folder.path(), 5).unwrap();
+    let rods = begin(&flexible()).unwrap().network.rods.len();
+    for frame in [0, animation.len() - 1] {
+        let lengths = line_lengths(&animation.to_svg(frame));
+        assert_eq!(lengths.len(), rods);
+        // Ends are written to a tenth of a pixel.
+        let longest = lengths.iter().copied().fold(0.0, f64::max);
+        assert!(
+            lengths.iter().all(|length| *length > longest - 0.3),
+            "{lengths:?}"
+        );
+    }
+}
+
 #[test]
 fn a_failed_step_leaves_the_last_good_state() {
     let folder = tempfile::tempdir().unwrap();
