@@ -35,8 +35,6 @@ const NOT_FOR_FUNCTIONS: [&str; 7] = [
 const SHARED_BY: &str = "shard";
 /// The class of results without a class of their own.
 const PLAIN: &str = "Result";
-/// Verbs that require a salt concentration.
-const SALT_IS_REQUIRED: [&str; 3] = ["binding", "potential", "titrate"];
 /// Reserved words of Python.
 const KEYWORDS: [&str; 6] = ["from", "lambda", "in", "is", "class", "global"];
 
@@ -122,9 +120,15 @@ fn function(command: &Command, path: &[&str], result: &str, name: String) -> Fun
         verb: path.iter().map(|word| (*word).to_owned()).collect(),
         about: about(command),
         result: result.to_owned(),
-        requires_salt: SALT_IS_REQUIRED.contains(&verb.as_str()),
+        requires_salt: requires_salt(command),
         parameters,
     }
+}
+
+/// Whether the flag of the salt concentration must be given.
+fn requires_salt(command: &Command) -> bool {
+    let mut arguments = command.get_arguments();
+    arguments.any(|argument| argument.get_id() == SALT && argument.is_required_set())
 }
 
 /// Places first, then required flags, optional flags, and the keywords that only functions have.
