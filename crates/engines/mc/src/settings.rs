@@ -132,9 +132,9 @@ impl Settings {
     /// The default settings for this interaction.
     ///
     /// ```
-    /// use protomer_mc::{Interaction, Settings};
+    /// use protomer_mc::{DEFAULT_CONTACT_GAP_ANGSTROM, Interaction, Settings};
     /// let settings = Settings::new(Interaction::HardOnly);
-    /// assert_eq!((settings.rotation_fraction, settings.contact_gap_angstrom), (0.5, 5.0));
+    /// assert_eq!(settings.contact_gap_angstrom, DEFAULT_CONTACT_GAP_ANGSTROM);
     /// ```
     pub fn new(interaction: Interaction) -> Self {
         Self {

@@ -60,7 +60,7 @@ pub struct ScatteringSettings {
     pub skip: f64,
     /// Frames of each trajectory that are measured at most, evenly spread.
     pub most_frames: usize,
-    /// Gap of surfaces in contact, Å; that of the run, or 5 Å, if `None`.
+    /// Gap of surfaces in contact, Å; that of the run, or the default, if `None`.
     pub contact_gap_angstrom: Option<f64>,
     /// Settings of the experiment; `contact_gap_angstrom` replaces its contact gap.
     pub experiment: experiment::Settings,
