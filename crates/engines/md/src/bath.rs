@@ -213,6 +213,27 @@ pub(crate) fn damp(
     state.kinetic_energies(bodies).iter().sum::<f64>() - before
 }
 
+/// Draws the spins about axes of revolution at a temperature, and returns the heat taken up.
+///
+/// No contact changes these spins, so a bath that scales all momenta together never brings them to the
+/// temperature of the others: a compression leaves them cold.
+pub(crate) fn draw_free_spins(
+    state: &mut State,
+    bodies: &Bodies,
+    temperature: f64,
+    [seed, step]: [u64; 2],
+) -> f64 {
+    let mut rng = CounterRng::for_purpose(seed, 0, step, Purpose::ContactVelocities);
+    let before = state.kinetic_energies(bodies)[1];
+    for (body, spin) in state.spins.iter_mut().enumerate() {
+        let kind = bodies.kind(body);
+        if let Some(axis) = kind.axis_of_revolution() {
+            spin[axis] = (temperature * kind.moments[axis]).sqrt() * rng.normal();
+        }
+    }
+    state.kinetic_energies(bodies)[1] - before
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

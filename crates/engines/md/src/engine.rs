@@ -289,6 +289,15 @@ impl Engine {
         Ok(())
     }
 
+    /// Draws the spins of spheroids about their axes at a temperature: contacts never change them, so
+    /// they stay as cold as a compression with a bath for all momenta leaves them.
+    pub fn draw_free_spins(&mut self, temperature: f64) {
+        let motion = &mut self.motion;
+        let state = &mut motion.state;
+        let seed = [self.settings.seed, motion.steps];
+        motion.heat += bath::draw_free_spins(state, &self.bodies, temperature, seed);
+    }
+
     /// The energy: of the pairs and of the motion.
     pub fn energy(&self) -> f64 {
         let kinetic = self.motion.state.kinetic_energies(&self.bodies);

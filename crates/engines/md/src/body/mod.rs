@@ -322,6 +322,23 @@ impl Kind {
         }
     }
 
+    /// Axis of the body about which no contact turns it: that of a spheroid, if it can turn at all.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_md::body::Kind;
+    /// assert_eq!(Kind::ellipsoid(3, Vec3::new(1.0, 2.0, 1.0))?.axis_of_revolution(), Some(1));
+    /// assert_eq!(Kind::ellipsoid(3, Vec3::new(1.0, 2.0, 3.0))?.axis_of_revolution(), None);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
+    pub fn axis_of_revolution(&self) -> Option<usize> {
+        let [part] = self.parts.as_slice() else {
+            return None;
+        };
+        let axes = part.half_axes.filter(|_| self.turns() == 3)?;
+        (0..3).find(|axis| axes[(axis + 1) % 3] == axes[(axis + 2) % 3])
+    }
+
     /// Whether the orientation never changes.
     pub(crate) fn is_fixed(&self) -> bool {
         self.is_fixed

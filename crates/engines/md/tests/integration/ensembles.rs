@@ -156,6 +156,33 @@ fn bodies_of_all_kinds_keep_their_energy() {
 }
 
 #[test]
+fn spins_about_axes_of_revolution_are_drawn_and_then_kept() {
+    let kind = Kind::ellipsoid(3, Vec3::new(2.0, 1.0, 1.0)).unwrap();
+    let bodies = Bodies::of_one_kind(kind.of_unit_volume().unwrap(), 125);
+    let mut engine = compressed(&bodies, Form::Smooth.into(), 4.0, 600);
+    let temperature_about = |engine: &Engine| {
+        let spins = engine.motion().state.spins.iter();
+        let squares = spins.map(|spin| spin.x * spin.x / bodies.kinds[0].moments.x);
+        squares.sum::<f64>() / 125.0
+    };
+    // The bath takes the heat of the compression from all momenta.
+    let cold = temperature_about(&engine);
+    assert!(cold < 0.6, "{cold}");
+    let kept = engine.energy() - engine.motion().heat;
+    engine.draw_free_spins(1.0);
+    let drawn = temperature_about(&engine);
+    // Three standard errors of the mean of 125 squares.
+    assert!((drawn - 1.0).abs() < 0.38, "{drawn}");
+    assert!((engine.energy() - engine.motion().heat - kept).abs() < 1e-10);
+    let settings = settings(Form::Smooth, 1e-4);
+    engine.change_settings(settings).unwrap();
+    for _ in 0..200 {
+        engine.step(1.0).unwrap();
+    }
+    assert!((temperature_about(&engine) - drawn).abs() < 1e-10);
+}
+
+#[test]
 fn bodies_with_fixed_orientations_keep_them_and_their_energy() {
     for (name, count) in [("polygon:4", 36), ("octahedron", 64)] {
         let kind = Kind::from_polytope(&polytope(name)).unwrap();

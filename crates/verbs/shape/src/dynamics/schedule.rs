@@ -76,6 +76,7 @@ impl Schedule {
             }
         })?;
         if steps + 1 == self.settings.preparation_steps() {
+            engine.draw_free_spins(self.settings.temperature);
             engine.change_settings(self.motion(steps + 1))?;
         }
         Ok(())
