@@ -22,8 +22,8 @@ const RESOLVED: f64 = 1e-13;
 /// Refinement also ends when a round leaves more than this share of the error before it.
 const STALLED: f64 = 0.9;
 
-/// Places of a lower triangle, by row and column.
-pub(crate) type Places = [(usize, usize)];
+/// Entries of a lower triangle, by row and column.
+pub(crate) type Entries = [(usize, usize)];
 
 /// A positive semidefinite matrix, ready to be solved.
 pub(crate) struct FloppySystem {
@@ -77,7 +77,7 @@ impl FloppySystem {
 }
 
 /// A matrix with a shift on its diagonal.
-pub(crate) fn with_shift(entries: &Places, values: &[f64], shift: f64) -> Vec<f64> {
+pub(crate) fn with_shift(entries: &Entries, values: &[f64], shift: f64) -> Vec<f64> {
     let mut shifted = values.to_vec();
     for ((row, column), value) in entries.iter().zip(&mut shifted) {
         if row == column {
@@ -87,7 +87,7 @@ pub(crate) fn with_shift(entries: &Places, values: &[f64], shift: f64) -> Vec<f6
     shifted
 }
 
-fn largest_on_diagonal(entries: &Places, values: &[f64]) -> f64 {
+fn largest_on_diagonal(entries: &Entries, values: &[f64]) -> f64 {
     let mut largest = 0.0_f64;
     for ((row, column), value) in entries.iter().zip(values) {
         if row == column {
@@ -97,7 +97,7 @@ fn largest_on_diagonal(entries: &Places, values: &[f64]) -> f64 {
     largest
 }
 
-fn multiply(entries: &Places, values: &[f64], x: &DVector<f64>) -> DVector<f64> {
+fn multiply(entries: &Entries, values: &[f64], x: &DVector<f64>) -> DVector<f64> {
     let mut product = DVector::zeros(x.len());
     for (&(row, column), value) in entries.iter().zip(values) {
         product[row] += value * x[column];
@@ -109,7 +109,7 @@ fn multiply(entries: &Places, values: &[f64], x: &DVector<f64>) -> DVector<f64> 
 }
 
 /// The whole matrix, from its lower triangle.
-pub(crate) fn dense(entries: &Places, values: &[f64], dimension: usize) -> DMatrix<f64> {
+pub(crate) fn dense(entries: &Entries, values: &[f64], dimension: usize) -> DMatrix<f64> {
     let mut dense = DMatrix::zeros(dimension, dimension);
     for (&(row, column), value) in entries.iter().zip(values) {
         dense[(row, column)] = *value;

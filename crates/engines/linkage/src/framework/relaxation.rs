@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 const MOST_DENSE_COORDINATES: usize = 240;
 /// Eigenvalues below this part of the largest are zero.
 const ZERO_EIGENVALUE: f64 = 1e-10;
+
 /// The response of the nodes to unit strains.
 pub(super) struct Relaxation {
     /// K_xx⁺ K_xε.
