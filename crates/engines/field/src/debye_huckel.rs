@@ -91,6 +91,17 @@ impl Superposition {
         ScreenedSum::new(&sources, 0.5 * (low + high), self.kappa)
     }
 
+    /// The sums of the near and of the far charges at the places of a box between two corners, with the
+    /// error of [`seen_from`](Superposition::seen_from). A charge is far from [`FARTHER`] half-diagonals
+    /// of the box from its middle on.
+    pub(crate) fn near_and_far(&self, low: &Vec3, high: &Vec3) -> [ScreenedSum; 2] {
+        let (middle, half_diagonal) = (0.5 * (low + high), 0.5 * (high - low).norm());
+        let sources = self.tree.seen_from(low, high, FARTHER);
+        let is_near = |source: &Source| (source.place - middle).norm() < FARTHER * half_diagonal;
+        let (near, far): (Vec<_>, Vec<_>) = sources.into_iter().partition(is_near);
+        [near, far].map(|sources| ScreenedSum::new(&sources, middle, self.kappa))
+    }
+
     /// The distance of the nearest charge from a plane perpendicular to an axis, Å; 0 if there are
     /// charges on both sides, and infinite without charges.
     pub(crate) fn distance_from_plane(&self, axis: usize, place: f64) -> f64 {

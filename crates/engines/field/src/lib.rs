@@ -41,6 +41,7 @@ mod grid;
 mod ion_response;
 mod point_charges;
 pub mod poisson_boltzmann;
+mod screened_blocks;
 mod screened_sum;
 pub mod solvent_response;
 pub mod surface;

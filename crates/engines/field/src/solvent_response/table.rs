@@ -5,6 +5,7 @@ use crate::debye_huckel::Superposition;
 use crate::dielectric::DielectricModel;
 use crate::grid::Grid;
 use crate::poisson_boltzmann::{Potential, SoluteOnGrid};
+use crate::screened_blocks;
 use protomer_kernel::{Electrolyte, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -16,8 +17,6 @@ use std::f64::consts::PI;
 const CAVITY_FACTOR: f64 = 1.25;
 /// Width of the rim in which the table falls to zero, Å.
 const RIM_ANGSTROM: f64 = 8.0;
-/// Edge of the blocks of points that share a list of far charges.
-const BLOCK: usize = 8;
 
 /// Four numbers at each point of a grid: kT per charge (e), kT per volume of low permittivity and per
 /// volume without ions (Å³), and kT per capacitance (e²). They fall to zero towards the faces.
@@ -151,23 +150,7 @@ fn plain_potential(spheres: &[ChargedSphere], model: &DielectricModel, grid: &Gr
         ..*model
     };
     let sum = Superposition::new(&charges, &without_shell);
-    // By blocks: all points of a block see far charges as the same clusters.
-    let blocks = grid.blocks(BLOCK).into_par_iter();
-    let potentials: Vec<Vec<(usize, f64)>> = blocks
-        .map(|block| {
-            let (low, high) = block.corners(grid);
-            let merged_charges = sum.seen_from(&low, &high);
-            let points = block.rows(grid).flatten();
-            points
-                .map(|point| (point, merged_charges.value_at(&grid.point_at(point))))
-                .collect()
-        })
-        .collect();
-    let mut values = vec![0.0; grid.len()];
-    for (point, value) in potentials.into_iter().flatten() {
-        values[point] = value;
-    }
-    values
+    screened_blocks::tabulate(&sum, grid)
 }
 
 /// Contribution of one of the two media.
