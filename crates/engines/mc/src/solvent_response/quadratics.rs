@@ -9,6 +9,7 @@
 //! not smooth, and little in the solvent.
 
 use super::lookup::{Lanes, Lookup};
+use protomer_kernel::vectorised;
 use rayon::prelude::*;
 
 /// Coefficients of a polynomial: of 1; of x, y, z; of x², y², z²; of xy, xz, yz.
@@ -260,40 +261,87 @@ impl Ball {
         let value =
             |point: &[i64; 3]| table.at_point([0, 1, 2].map(|axis| centre[axis] + point[axis]));
         let values: Vec<Lanes> = self.points.iter().map(value).collect();
-        let (mut found, mut remainders) = ([[0.0; 3]; COEFFICIENTS], [0.0; 3]);
-        for lane in 0..3 {
-            // A lane of zeros has the polynomial zero and no remainder.
-            if values.iter().all(|value| value[lane] == 0.0) {
-                continue;
-            }
-            let mut sums = [0.0; COEFFICIENTS];
-            for (value, monomials) in values.iter().zip(&self.monomials) {
-                for (sum, monomial) in sums.iter_mut().zip(monomials) {
-                    *sum += monomial * f64::from(value[lane]);
-                }
-            }
-            let coefficients = self.solve(&sums);
-            let remainder = |(value, monomials): (&Lanes, &[f64; COEFFICIENTS])| {
-                let terms = coefficients.iter().zip(monomials);
-                terms
-                    .map(|(coefficient, monomial)| coefficient * monomial)
-                    .sum::<f64>()
-                    - f64::from(value[lane])
-            };
-            let (mut squares, mut largest) = (0.0, 0.0_f64);
-            for remainder in values.iter().zip(&self.monomials).map(remainder) {
-                squares += remainder * remainder;
-                largest = largest.max(remainder.abs());
-            }
-            let typical = (squares / values.len() as f64).sqrt();
-            // The largest counts only in part: it is often a
-            // corner of the ball that touches the surface.
-            remainders[lane] = typical.max(SHARE_OF_LARGEST * largest) as f32;
-            for (row, coefficient) in found.iter_mut().zip(coefficients) {
-                row[lane] = coefficient as f32;
+        // Zeros, as beyond the table, have the polynomial zero and no remainder.
+        if values.as_flattened().iter().all(|value| *value == 0.0) {
+            return (Polynomial::ZERO, Remainders::ZERO);
+        }
+        let coefficients = self.coefficients(&values);
+        let remainders = self.remainders(&values, &coefficients);
+        let of_lanes = coefficients.map(|[x, y, z, _]| [x, y, z].map(|number| number as f32));
+        let [x, y, z, _] = remainders.map(|remainder| remainder as f32);
+        (Polynomial::new(&of_lanes), Remainders::new([x, y, z]))
+    }
+
+    /// Coefficients for each kind of amount.
+    fn coefficients(&self, values: &[Lanes]) -> [[f64; 4]; COEFFICIENTS] {
+        let sums = self.sums(values);
+        let mut coefficients = [[0.0; 4]; COEFFICIENTS];
+        for lane in 0..4 {
+            let of_lane = self.solve(&sums.map(|sum| sum[lane]));
+            for (row, coefficient) in coefficients.iter_mut().zip(of_lane) {
+                row[lane] = coefficient;
             }
         }
-        (Polynomial::new(&found), Remainders::new(remainders))
+        coefficients
+    }
+
+    vectorised!(
+        /// Sums of value times monomial, by monomial and kind of amount.
+        fn sums[sums_avx512, sums_avx2, sums_any](
+            self: &Self, values: &[Lanes]
+        ) -> [[f64; 4]; COEFFICIENTS]
+    );
+
+    #[inline(always)]
+    fn sums_any(&self, values: &[Lanes]) -> [[f64; 4]; COEFFICIENTS] {
+        // All kinds of amounts at once, as lanes of one vector: the samples of a lane are added in the
+        // order of the ball, so the sums are those of each lane alone.
+        let mut sums = [[0.0; 4]; COEFFICIENTS];
+        for (value, monomials) in values.iter().zip(&self.monomials) {
+            let value = value.map(f64::from);
+            for (sum, monomial) in sums.iter_mut().zip(monomials) {
+                for (sum, value) in sum.iter_mut().zip(value) {
+                    *sum += monomial * value;
+                }
+            }
+        }
+        sums
+    }
+
+    vectorised!(
+        /// Remainders of the values around polynomials, by kind of amount: the root mean square, or a
+        /// share of the largest if that is more.
+        fn remainders[remainders_avx512, remainders_avx2, remainders_any](
+            self: &Self, values: &[Lanes], coefficients: &[[f64; 4]; COEFFICIENTS]
+        ) -> [f64; 4]
+    );
+
+    #[inline(always)]
+    fn remainders_any(
+        &self,
+        values: &[Lanes],
+        coefficients: &[[f64; 4]; COEFFICIENTS],
+    ) -> [f64; 4] {
+        let (mut squares, mut largest) = ([0.0; 4], [0.0_f64; 4]);
+        for (value, monomials) in values.iter().zip(&self.monomials) {
+            let mut found = [0.0; 4];
+            for (coefficient, monomial) in coefficients.iter().zip(monomials) {
+                for (found, coefficient) in found.iter_mut().zip(coefficient) {
+                    *found += coefficient * monomial;
+                }
+            }
+            for lane in 0..4 {
+                let remainder = found[lane] - f64::from(value[lane]);
+                squares[lane] += remainder * remainder;
+                largest[lane] = largest[lane].max(remainder.abs());
+            }
+        }
+        // The largest counts only in part: it is often a
+        // corner of the ball that touches the surface.
+        std::array::from_fn(|lane| {
+            let typical = (squares[lane] / values.len() as f64).sqrt();
+            typical.max(SHARE_OF_LARGEST * largest[lane])
+        })
     }
 
     /// The coefficients from the sums of value times monomial: the trace of C decouples from its other part.
@@ -372,6 +420,44 @@ mod tests {
         assert!((found[2] - 1.0).abs() < 1e-6, "{found:?}");
         let remainders = quadratics.remainders(&near).kt_per_amount();
         assert!(remainders.iter().all(|lane| *lane < 1e-5), "{remainders:?}");
+    }
+
+    /// The slow twin: each kind of amount by itself, without vectors.
+    #[test]
+    fn fits_of_all_lanes_are_those_of_each_lane() {
+        let wave = table(|x| (0.3 * x.x).sin() * x.y + f64::from(u8::from(x.z > 1.0)));
+        let ball = Ball::new(RESOLUTION.radius_angstrom, wave.spacing_angstrom);
+        for centre in [[3, 4, 5], [14, 15, 16], [-2, 30, 20]] {
+            let (polynomial, remainders) = ball.fit(&wave, centre);
+            let value = |point: &[i64; 3], lane: usize| {
+                let point = [0, 1, 2].map(|axis| centre[axis] + point[axis]);
+                f64::from(wave.at_point(point)[lane])
+            };
+            for lane in 0..3 {
+                let mut sums = [0.0; COEFFICIENTS];
+                for (point, monomials) in ball.points.iter().zip(&ball.monomials) {
+                    for (sum, monomial) in sums.iter_mut().zip(monomials) {
+                        *sum += monomial * value(point, lane);
+                    }
+                }
+                let coefficients = ball.solve(&sums);
+                let (mut squares, mut largest) = (0.0, 0.0_f64);
+                for (point, monomials) in ball.points.iter().zip(&ball.monomials) {
+                    let terms = coefficients.iter().zip(monomials);
+                    let found: f64 = terms.map(|(c, monomial)| c * monomial).sum();
+                    let remainder = found - value(point, lane);
+                    squares += remainder * remainder;
+                    largest = largest.max(remainder.abs());
+                }
+                let typical = f64::sqrt(squares / ball.points.len() as f64);
+                let expected = typical.max(SHARE_OF_LARGEST * largest) as f32;
+                let kept = Remainders::new([expected; 3]).kt_per_amount()[0];
+                assert_eq!(remainders.kt_per_amount()[lane], kept);
+                for (number, expected) in coefficients.into_iter().enumerate() {
+                    assert_eq!(polynomial.coefficient(number, lane), expected as f32);
+                }
+            }
+        }
     }
 
     #[test]
