@@ -24,7 +24,7 @@ fn protons_taken_up_on_binding_are_those_of_titrations() {
         largest = largest.max(found.abs());
     }
     assert!(largest > 0.02, "{largest}");
-    let without = place.answer("binding a.pdb b.pdb --salt 0.1M --no-kd -q --json");
+    let without = place.answer("binding a.pdb b.pdb --salt 0.1M --spacing 0.9 --no-kd -q --json");
     assert!(without["conditions"][0].get("protons_taken_up").is_none());
     is_ok(&place.run("ingest -q a.pdb -o bodies"));
     let refused = place.run("binding bodies/a.body b.pdb --salt 0.1M --no-kd --proton-uptake");

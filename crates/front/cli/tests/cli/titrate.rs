@@ -3,16 +3,8 @@
 use crate::common::{TemporaryFolder, is_ok, message};
 
 const STRUCTURE: &str = "data/structures/5pti.cif.gz";
-
-/// B22 of two copies of the structure at each condition, mol mL/g².
-fn b22_values(place: &TemporaryFolder, flags: &str) -> Vec<f64> {
-    let answer = place.answer(&format!("pair -q {STRUCTURE} --json {flags}"));
-    let mut values = Vec::new();
-    for condition in answer["conditions"].as_array().unwrap() {
-        values.push(condition["b22_mol_ml_per_g2"].as_f64().unwrap());
-    }
-    values
-}
+/// A peptide, for what samples poses of pairs.
+const PEPTIDE: &str = "data/structures/1bd2_short.pdb.gz";
 
 #[test]
 fn a_titration_says_what_shifts_each_pka_and_writes_its_tables() {
@@ -124,14 +116,14 @@ fn a_pair_is_titrated_in_each_salt() {
     let place = TemporaryFolder::with_data();
     let conditions = "--ph 7 --salt 20mM,200mM --relative-error 0.5 --most-directions 64";
     let pair = place.answer(&format!(
-        "pair -q {STRUCTURE} {conditions} --model solution-2 --json"
+        "pair -q {PEPTIDE} {conditions} --model solution-2 --json"
     ));
     assert_eq!(pair["model"], "solution-2");
     let mut charges_e = Vec::new();
     for condition in pair["conditions"].as_array().unwrap() {
         let salt_molar = condition["salt_M"].as_f64().unwrap();
         let titration = place.answer(&format!(
-            "titrate -q {STRUCTURE} --ph 7 --anion-binding 12 --salt {salt_molar}M --json"
+            "titrate -q {PEPTIDE} --ph 7 --anion-binding 12 --salt {salt_molar}M --json"
         ));
         let expected = titration["net_charge_e"].as_f64().unwrap();
         for net_charge_e in condition["net_charge_e"].as_array().unwrap() {
@@ -173,13 +165,16 @@ fn bodies_of_another_titration_are_not_those_of_the_model() {
 fn regulated_charges_repel_less() {
     let place = TemporaryFolder::with_data();
     let b22 = |flags: &str| {
-        let conditions = "--ph 9.5 --salt 20mM --relative-error 0.02 --interaction response";
-        b22_values(&place, &format!("{conditions} {flags}"))[0]
+        let conditions = "--ph 3.5 --salt 20mM --most-directions 64 --interaction response";
+        let answer = place.answer(&format!("pair -q {PEPTIDE} --json {conditions} {flags}"));
+        answer["conditions"][0]["b22_mol_ml_per_g2"]
+            .as_f64()
+            .unwrap()
     };
     let fixed = b22("--protonation structure");
     let regulated = b22("--protonation structure --regulation");
-    // 1.5 %, with the same random numbers in both.
-    assert!(regulated < 0.995 * fixed, "{regulated} {fixed}");
+    // 8 %, with the same random numbers in both.
+    assert!(regulated < 0.97 * fixed, "{regulated} {fixed}");
     for (flags, remedy) in [
         ("--interaction response", "ingest --protonation structure"),
         (
