@@ -20,7 +20,7 @@ const POINTS: usize = 5;
 /// Blocks with fewer points than this are summed point by point.
 const FEWEST: usize = 2 * POINTS.pow(3);
 
-/// The potential at each point of a grid, kT/e, with x running fastest. Charges count as points.
+/// The potential at each point of a grid, kT/e, with x running fastest.
 pub(crate) fn tabulate(charges: &Superposition, grid: &Grid) -> Vec<f64> {
     let blocks = grid.blocks(EDGE);
     let of_blocks: Vec<Vec<f64>> = blocks
