@@ -150,7 +150,7 @@ impl PairRunSettings {
         }
         if self.energies.with_inside().is_none() && self.solute.is_some() {
             bail!(
-                "the inner permittivity and the ion radius apply to bodies with an inside only; add \
+                "--inner-permittivity, --ion-radius, --ions and --regulation apply to bodies with an inside only; add \
                  --interaction effective or --interaction response, or leave them out"
             );
         }
